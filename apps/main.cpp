@@ -1,0 +1,22 @@
+#include "command.h"
+
+#include "raysweep/core/error.h"
+
+#include <cstdio>
+#include <exception>
+
+int main(int argc, char** argv) {
+    using namespace raysweep::apps;
+    CLI::App app("Raysweep: light transport and reconstruction in sparse volumes", "raysweep");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", RAYSWEEP_VERSION);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        return app.exit(e) == 0 ? kDone : kUsage;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "raysweep: %s\n", e.what());
+        return kFailed;
+    }
+    return kDone;
+}

@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Installs what Raysweep needs on Debian 12: only what is missing, with sudo only when not root.
+set -euo pipefail
+
+packages=(
+    build-essential cmake ninja-build ccache git
+    libopenvdb-dev libboost-iostreams-dev libblosc-dev libtbb-dev libimath-dev libopenexr-dev libopenimageio-dev
+    libhwy-dev libcli11-dev nlohmann-json3-dev
+    libgtest-dev libbenchmark-dev clang-format gnuplot-nox python3
+)
+
+missing=()
+for package in "${packages[@]}"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+sudo=""
+[ "$(id -u)" -eq 0 ] || sudo="sudo"
+echo "installing: ${missing[*]}"
+$sudo apt-get update -qq
+DEBIAN_FRONTEND=noninteractive $sudo apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
