@@ -79,6 +79,11 @@ void writePixels(const std::string& path, const std::string& temporary, const Im
 
 }  // namespace
 
+ImageFormat imageFormat(const std::string& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == ".exr" ? ImageFormat::Exr : extension == ".png" ? ImageFormat::Png : ImageFormat::Unknown;
+}
+
 float srgbFromLinear(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
 }
@@ -118,14 +123,15 @@ Image readImage(const std::string& path) {
 
 void writeImage(const std::string& path, const Image& image) {
     requireImage(image);
-    const std::string extension = lowerExtension(path);
-    if (extension != ".exr" && extension != ".png")
-        throw IoError("cannot write '" + path + "': the extension '" + extension + "' is not known; use .exr or .png");
-    if (extension == ".png" && image.channels > 4)
+    const ImageFormat format = imageFormat(path);
+    if (format == ImageFormat::Unknown)
+        throw IoError("cannot write '" + path + "': the extension '" + lowerExtension(path) +
+                      "' is not known; use .exr or .png");
+    if (format == ImageFormat::Png && image.channels > 4)
         throw InvalidArgument("a PNG holds at most 4 channels, the image has " + std::to_string(image.channels) +
                               "; write an .exr");
     OutputFile file(path);
-    if (extension == ".exr")
+    if (format == ImageFormat::Exr)
         writePixels(path, file.temporary(), image, OIIO::TypeDesc::FLOAT, image.pixels.data());
     else
         writePixels(path, file.temporary(), image, OIIO::TypeDesc::UINT8, encode(image).data());

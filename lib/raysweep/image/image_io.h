@@ -18,6 +18,16 @@ Image readImage(const std::string& path);
 /// @throw IoError if the extension is another one, or the file cannot be written.
 void writeImage(const std::string& path, const Image& image);
 
+/// Formats that `writeImage` knows.
+enum class ImageFormat {
+    Unknown,
+    Exr,  ///< linear, any value
+    Png   ///< sRGB, 8 bit
+};
+
+/// The format that the extension of `path` stands for, whatever its case.
+ImageFormat imageFormat(const std::string& path);
+
 /// What a display shows of `image`: colours times 2^exposure, clipped to [0,1], still linear (`writeImage` encodes).
 /// Alpha is dropped: a rendered RGBA picture has its background composited already, so RGB is what the eye sees.
 /// @param exposure in stops (EV).
