@@ -1,0 +1,230 @@
+/// raysweep render: a picture, or a turntable of pictures, of a lit volume.
+#include "render_standin.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/image/image_io.h"
+#include "raysweep/render/render.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+namespace raysweep::apps {
+namespace {
+
+/// What the user typed; empty text: not given.
+struct Arguments {
+    CommonOptions common;
+    RenderOptions options;
+    std::string input, densityName;
+    std::vector<std::string> outputs;
+    std::string size = "512,512", eye, target, up, background = "0";
+    double fov = Camera().fov;
+    std::optional<double> orthoWidth, extinction;
+    int turntable = 0;
+    double exposure = 0;
+};
+
+void addOptions(CLI::App& app, Arguments& a) {
+    app.add_option("input", a.input, "Lit volume, a .vdb written by raysweep light")->required()->type_name("LIT.vdb");
+    app.add_option("-o,--output", a.outputs, "Picture to write, .exr (linear) or .png (sRGB); repeatable")
+        ->required()
+        ->allow_extra_args(false)
+        ->type_name("FILE");
+    app.add_option("--size", a.size, "Width and height, pixels")->capture_default_str()->type_name("W,H");
+    app.add_option("--eye", a.eye, "Where the camera stands, world units (default: so that all is seen)")
+        ->type_name("X,Y,Z");
+    app.add_option("--target", a.target, "Point in the middle of the picture (default: the volume's middle)")
+        ->type_name("X,Y,Z");
+    app.add_option("--up", a.up, "Direction that points up in the picture (default: 0,0,1)")->type_name("X,Y,Z");
+    auto* fov = app.add_option("--fov", a.fov, "Vertical field of view, degrees")->capture_default_str();
+    app.add_option("--ortho", a.orthoWidth, "Parallel projection; width of the picture, world units")
+        ->type_name("WIDTH")
+        ->excludes(fov);
+    app.add_option("--background", a.background, "Linear radiance behind the volume, one number or three; RGB holds it")
+        ->capture_default_str()
+        ->type_name("R,G,B");
+    app.add_option("--density", a.densityName, "Density grid (default: the one that was lit)")->type_name("NAME");
+    app.add_option("--extinction", a.extinction,
+                   "Extinction per unit density, 1/world unit (default: as it was lit, else 1)");
+    app.add_option("--step", a.options.step, "Distance between samples, voxels")->capture_default_str();
+    app.add_option("--samples", a.options.samples, "Rays per pixel along each side: 2 means 2 x 2")
+        ->capture_default_str();
+    app.add_flag("--lambert", a.options.lambert, "Multiply by the cosine between view and surface normal");
+    app.add_option("--turntable", a.turntable, "Number of frames around the axis up; writes name_0001.png ...")
+        ->check(CLI::Range(1, 9999))
+        ->type_name("N");
+    app.add_option("--exposure", a.exposure, "Brightness of .png pictures, stops (EV)")->capture_default_str();
+    addCommonOptions(app, a.common);
+}
+
+std::string frameName(const std::string& output, int frame) {
+    const std::filesystem::path path(output);
+    char number[16];
+    std::snprintf(number, sizeof number, "_%04d", frame + 1);
+    return (path.parent_path() / (path.stem().string() + number + path.extension().string())).string();
+}
+
+/// Fails now rather than after the rendering.
+void requireOutputs(const Arguments& a) {
+    for (const std::string& output : a.outputs) {
+        requireFileOutput(output, "--output");
+        if (imageFormat(output) == ImageFormat::Unknown)
+            usageError("--output", "'" + output + "' must end in .exr or .png");
+        requireWritable(a.turntable ? frameName(output, 0) : output);
+    }
+}
+
+double numberFrom(const openvdb::Metadata& metadata) {
+    if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&metadata)) return number->value();
+    if (const auto* number = dynamic_cast<const openvdb::FloatMetadata*>(&metadata)) return number->value();
+    throw InvalidArgument("metadata 'raysweep_extinction' of grid 'radiosity' is of type " + metadata.typeName() +
+                          ", not a number; give --extinction");
+}
+
+/// Finds the grids; what the user leaves open is as it was when the file was lit.
+RenderInput selectInput(const Arguments& a, const VdbFile& file) {
+    VdbFile others{file.path, {}, {}};
+    openvdb::GridBase::ConstPtr radiosity;
+    for (const auto& grid : file.grids) {
+        if (grid->getName() == "radiosity")
+            radiosity = grid;
+        else if (grid->getName() != "unshot")
+            others.grids.push_back(grid);
+    }
+    if (!radiosity)
+        throw InvalidArgument("'" + file.path + "' has no grid 'radiosity': run 'raysweep light " + file.path +
+                              " -o LIT.vdb' first and render LIT.vdb");
+    std::string name = a.densityName;
+    const auto litDensity = (*radiosity)["raysweep_density"], litExtinction = (*radiosity)["raysweep_extinction"];
+    if (name.empty() && litDensity) name = litDensity->str();
+    RenderInput input;
+    input.density = selectDensity(others, name);
+    input.radiosity = radiosity;
+    input.extinctionScale = a.extinction ? *a.extinction : litExtinction ? numberFrom(*litExtinction) : 1.0;
+    return input;
+}
+
+/// Whole numbers W,H.
+std::array<int, 2> parseSize(const std::string& text) {
+    const std::vector<double> size = parseNumbers(text, "--size", 2, 2, "640,480");
+    for (const double s : size)
+        if (!(s >= 1 && s <= 32768 && s == int(s)))
+            usageError("--size", "'" + text + "': two whole numbers from 1 to 32768 are needed");
+    return {int(size[0]), int(size[1])};
+}
+
+/// The camera without its place.
+Camera lensFrom(const Arguments& a) {
+    Camera camera;
+    camera.width = parseSize(a.size)[0];
+    camera.height = parseSize(a.size)[1];
+    camera.fov = a.fov;
+    if (!a.up.empty()) camera.up = parseVec3(a.up, "--up");
+    if (a.orthoWidth) {
+        camera.projection = Camera::Projection::Orthographic;
+        camera.orthoWidth = *a.orthoWidth;
+    }
+    return camera;
+}
+
+/// `lens` put where the user wants it; whatever is left open frames the volume.
+Camera place(Camera lens, const Arguments& a, const openvdb::GridBase& density) {
+    Box3 bounds = worldBounds(density);
+    if (bounds.isEmpty()) bounds = Box3(Vec3(-1), Vec3(1));  // an empty volume shows the background
+    const Camera whole = framed(lens, bounds);
+    lens.target = a.target.empty() ? whole.target : parseVec3(a.target, "--target");
+    lens.eye = a.eye.empty() ? lens.target + (whole.eye - whole.target) : parseVec3(a.eye, "--eye");
+    lens.validate();
+    return lens;
+}
+
+void writeFrame(const Arguments& a, const Image& image, int frame) {
+    for (const std::string& output : a.outputs) {
+        const std::string path = a.turntable ? frameName(output, frame) : output;
+        writeImage(path, imageFormat(path) == ImageFormat::Png ? toneMap(image, a.exposure) : image);
+        detail(a.common, "wrote " + path);
+    }
+}
+
+/// Sums over all pixels, per channel.
+std::array<double, 4> channelSums(const Image& image) {
+    std::array<double, 4> sums{};
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) sums[i % 4] += image.pixels[i];
+    return sums;
+}
+
+nlohmann::json listOf(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+nlohmann::json describe(const Arguments& a, const RenderInput& input, const Camera& camera) {
+    nlohmann::json json = {{"input", a.input},
+                           {"outputs", a.outputs},
+                           {"width", camera.width},
+                           {"height", camera.height},
+                           {"density", input.density->getName()},
+                           {"extinction", input.extinctionScale},
+                           {"step", a.options.step},
+                           {"samples", a.options.samples},
+                           {"lambert", a.options.lambert},
+                           {"eye", listOf(camera.eye)},
+                           {"target", listOf(camera.target)},
+                           {"up", listOf(camera.up)}};
+    const bool parallel = camera.projection == Camera::Projection::Orthographic;
+    json[parallel ? "ortho" : "fov"] = parallel ? camera.orthoWidth : camera.fov;
+    return json;
+}
+
+int run(Arguments& a) {
+    const ThreadLimit limit(a.common.threads);
+    a.options.background = parseColor(a.background, "--background");
+    const Camera lens = lensFrom(a);
+    requireOutputs(a);
+    const RenderInput input = selectInput(a, readVdb(a.input));
+    const Camera camera = place(lens, a, *input.density);
+
+    const int frames = a.turntable ? a.turntable : 1;
+    double seconds = 0;
+    std::array<double, 4> mean{};
+    int done = 0;
+    bool complete = true;
+    TerminalProgress terminal(a.common);
+    const ProgressCallback progress = terminal.callback();
+    const auto frameProgress = [&](const std::string& stage, double fraction) {
+        return report(progress, stage, (done + fraction) / frames);
+    };
+    for (; done < frames && complete; ++done) {
+        const RenderResult result = render(input, orbit(camera, 2 * kPi * done / frames), a.options, frameProgress);
+        writeFrame(a, result.image, done);
+        const std::array<double, 4> sums = channelSums(result.image);
+        for (int c = 0; c < 4; ++c) mean[c] += sums[c] / (double(camera.width) * camera.height);
+        seconds += result.seconds;
+        complete = result.complete;
+    }
+    for (double& m : mean) m /= done;
+    nlohmann::json json = describe(a, input, camera);
+    json["seconds"] = seconds;
+    json["mean"] = mean;
+    json["frames"] = done;
+    json["complete"] = complete;
+    writeReport(a.common, json);
+    return complete ? kDone : kInterrupted;
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, int& exitCode) {
+    CLI::App* command = app.add_subcommand("render", "Make a picture of a lit volume");
+    const auto arguments = std::make_shared<Arguments>();
+    addOptions(*command, *arguments);
+    command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+}
+
+}  // namespace raysweep::apps

@@ -1,0 +1,109 @@
+#include "raysweep/camera/camera.h"
+
+#include "raysweep/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace raysweep {
+namespace {
+
+bool isFinite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+template <class Value>
+std::string text(const Value& value) {
+    std::ostringstream out;
+    out << value;
+    return out.str();
+}
+
+/// Everything but where the camera stands.
+void requireLens(const Camera& camera) {
+    if (camera.width <= 0 || camera.height <= 0)
+        throw InvalidArgument("camera size " + text(camera.width) + "x" + text(camera.height) +
+                              ": both must be at least 1 pixel");
+    if (camera.projection == Camera::Projection::Perspective && !(camera.fov > 0 && camera.fov < 180))
+        throw InvalidArgument("camera fov " + text(camera.fov) + ": must lie between 0 and 180 degrees");
+    if (camera.projection == Camera::Projection::Orthographic &&
+        !(camera.orthoWidth > 0 && std::isfinite(camera.orthoWidth)))
+        throw InvalidArgument("camera orthoWidth " + text(camera.orthoWidth) + ": must be positive and finite");
+    if (!isFinite(camera.up) || !(camera.up.length() > 0))
+        throw InvalidArgument("camera up " + text(camera.up) + ": must be finite and not zero");
+}
+
+/// Room left around the box, as a factor on its size in the picture.
+constexpr double kMargin = 1.05;
+
+/// A unit vector square to `up` that points to the right for someone who stands upright before the volume.
+Vec3 rightOf(const Vec3& up) {
+    const Vec3 axis = std::abs(up.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    return (axis - up * axis.dot(up)).normalized();
+}
+
+}  // namespace
+
+void Camera::validate() const {
+    requireLens(*this);
+    if (!isFinite(eye) || !isFinite(target))
+        throw InvalidArgument("camera eye " + text(eye) + " and target " + text(target) + ": must be finite");
+    const Vec3 view = target - eye;
+    if (!(view.length() > 0))
+        throw InvalidArgument("camera eye and target are the same point " + text(eye) + ": move one of them");
+    if (!(view.normalized().cross(up.normalized()).length() > 1e-6))
+        throw InvalidArgument("camera up " + text(up) + " is parallel to the view from eye " + text(eye) +
+                              " to target " + text(target) + ": give another up");
+}
+
+CameraFrame cameraFrame(const Camera& camera) {
+    camera.validate();
+    const Vec3 forward = (camera.target - camera.eye).normalized();
+    const Vec3 right = forward.cross(camera.up).normalized();
+    const double aspect = double(camera.width) / camera.height;
+    const bool perspective = camera.projection == Camera::Projection::Perspective;
+    const double top = perspective ? std::tan(camera.fov * kPi / 360) : 0.5 * camera.orthoWidth / aspect;
+    return {camera.projection,          camera.eye,   forward,      right * (top * aspect),
+            right.cross(forward) * top, camera.width, camera.height};
+}
+
+Camera orbit(const Camera& camera, double angle) {
+    camera.validate();
+    const Vec3 axis = camera.up.normalized(), arm = camera.eye - camera.target;
+    Camera turned = camera;
+    turned.eye = camera.target + arm * std::cos(angle) + axis.cross(arm) * std::sin(angle) +
+                 axis * (axis.dot(arm) * (1 - std::cos(angle)));  // Rodrigues
+    return turned;
+}
+
+Camera framed(const Camera& camera, const Box3& bounds) {
+    requireLens(camera);
+    if (bounds.isEmpty() || !isFinite(bounds.min) || !isFinite(bounds.max))
+        throw InvalidArgument("bounds to frame are empty or not finite");
+    const Vec3 up = camera.up.normalized(), right = rightOf(up), front = right.cross(up);
+    Camera result = camera;
+    result.target = bounds.center();
+    result.eye = result.target + (right * 0.5 + front * 0.8 + up * 0.4).normalized();
+    const CameraFrame frame = cameraFrame(result);
+    const double aspect = double(camera.width) / camera.height, top = std::tan(camera.fov * kPi / 360);
+    double distance = 0, height = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const Vec3 p = Vec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                            corner & 4 ? bounds.max.z : bounds.min.z) -
+                       result.target;
+        const double x = std::abs(p.dot(frame.right.normalized())), y = std::abs(p.dot(frame.up.normalized()));
+        height = std::max({height, y, x / aspect});
+        distance = std::max(distance, kMargin * std::max(y, x / aspect) / top - p.dot(frame.forward));
+    }
+    const double size = bounds.size().length();
+    if (camera.projection == Camera::Projection::Orthographic) {
+        distance = size;
+        result.orthoWidth = size > 0 ? 2 * kMargin * height * aspect : 1;
+    }
+    // A box that is a single point still needs some distance to be looked at from.
+    result.eye = result.target - frame.forward * (distance > 0 ? distance : 1.0);
+    return result;
+}
+
+}  // namespace raysweep

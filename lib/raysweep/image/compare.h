@@ -1,0 +1,25 @@
+/// How much two pictures differ.
+#pragma once
+
+#include "raysweep/image/image.h"
+
+namespace raysweep {
+
+/// Differences over all pixels and channels.
+struct ImageDifference {
+    double rmse = 0;           ///< root of the mean squared difference
+    double relativeRmse = 0;   ///< rmse / root mean square of the reference; infinite when that is 0 and rmse is not
+    double psnr = 0;           ///< 20 log10(peak / rmse), dB; infinite for equal pictures
+    double ssim = 0;           ///< structural similarity, mean over pixels and channels; 1 for equal pictures
+    double maxDifference = 0;  ///< largest absolute difference
+};
+
+/// Compares `image` with `reference`. SSIM is that of Wang, Bovik, Sheikh, Simoncelli, "Image quality assessment: from
+/// error visibility to structural similarity", 2004: Gaussian window of 11 x 11 pixels with sigma 1.5, K1 = 0.01,
+/// K2 = 0.03, over the pixels whose window lies inside the picture; smaller pictures get the largest odd window that
+/// fits. A NaN anywhere makes every figure NaN, so that no threshold passes.
+/// @param peak value that counts as full scale in PSNR and SSIM.
+/// @throw InvalidArgument if the pictures are empty or differ in width, height or channels, or peak is not positive.
+ImageDifference compareImages(const Image& image, const Image& reference, double peak = 1);
+
+}  // namespace raysweep

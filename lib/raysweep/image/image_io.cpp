@@ -1,0 +1,141 @@
+#include "raysweep/image/image_io.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/output_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+
+namespace raysweep {
+namespace {
+
+std::string lowerExtension(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    return extension;
+}
+
+/// Two and four channels: the last one is alpha. Others have none.
+bool hasAlpha(const Image& image) {
+    return image.channels == 2 || image.channels == 4;
+}
+
+float clip(float value) {
+    return value > 0 ? std::min(value, 1.0f) : 0.0f;
+}  // NaN too becomes 0
+
+void requireImage(const Image& image) {
+    if (image.width <= 0 || image.height <= 0 || image.channels <= 0)
+        throw InvalidArgument("image: size " + std::to_string(image.width) + "x" + std::to_string(image.height) +
+                              " with " + std::to_string(image.channels) +
+                              " channels is empty; all three must be positive");
+    if (image.pixels.size() != std::size_t(image.width) * image.height * image.channels)
+        throw InvalidArgument("image: " + std::to_string(image.pixels.size()) +
+                              " values do not match width x height x channels");
+}
+
+/// sRGB with alpha apart, in memory linear and premultiplied.
+void decode(Image& image) {
+    const int colours = hasAlpha(image) ? image.channels - 1 : image.channels;
+    for (std::size_t p = 0; p < image.pixels.size(); p += image.channels) {
+        float* pixel = image.pixels.data() + p;
+        const float alpha = hasAlpha(image) ? pixel[colours] : 1.0f;
+        for (int c = 0; c < colours; ++c) pixel[c] = linearFromSrgb(pixel[c]) * alpha;
+    }
+}
+
+std::vector<std::uint8_t> encode(const Image& image) {
+    const auto byte = [](float value) { return std::uint8_t(std::lround(255 * clip(value))); };
+    const int colours = hasAlpha(image) ? image.channels - 1 : image.channels;
+    std::vector<std::uint8_t> bytes(image.pixels.size());
+    for (std::size_t p = 0; p < bytes.size(); p += image.channels) {
+        const float alpha = hasAlpha(image) ? clip(image.pixels[p + colours]) : 1.0f;
+        for (int c = 0; c < colours; ++c)
+            bytes[p + c] = alpha > 0 ? byte(srgbFromLinear(clip(image.pixels[p + c] / alpha))) : std::uint8_t(0);
+        if (hasAlpha(image)) bytes[p + colours] = byte(alpha);
+    }
+    return bytes;
+}
+
+void writePixels(const std::string& path, const std::string& temporary, const Image& image, OIIO::TypeDesc type,
+                 const void* data) {
+    const auto fail = [&](const std::string& why) { throw IoError("cannot write '" + path + "': " + why); };
+    auto output = OIIO::ImageOutput::create(temporary);
+    if (!output) fail(OIIO::geterror());
+    OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+    if (image.channels == 1) spec.channelnames = {"Y"};
+    // The bytes are sRGB with alpha apart already: nothing for the library to convert.
+    spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::FLOAT ? "Linear" : "sRGB");
+    if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:UnassociatedAlpha", 1);
+    if (!output->open(temporary, spec) || !output->write_image(type, data) || !output->close())
+        fail(output->geterror());
+}
+
+}  // namespace
+
+ImageFormat imageFormat(const std::string& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == ".exr" ? ImageFormat::Exr : extension == ".png" ? ImageFormat::Png : ImageFormat::Unknown;
+}
+
+float srgbFromLinear(float linear) {
+    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float linearFromSrgb(float encoded) {
+    return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+Image toneMap(const Image& image, double exposure) {
+    requireImage(image);
+    if (!std::isfinite(exposure)) throw InvalidArgument("exposure must be a finite number of stops");
+    const float gain = float(std::exp2(exposure));
+    Image shown(image.width, image.height, hasAlpha(image) ? image.channels - 1 : image.channels);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = 0; c < shown.channels; ++c) shown.at(x, y)[c] = clip(gain * image.at(x, y)[c]);
+    return shown;
+}
+
+Image readImage(const std::string& path) {
+    const auto fail = [&](const std::string& why) { throw IoError("cannot read '" + path + "': " + why); };
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) fail("there is no such file");
+    if (std::filesystem::is_directory(path, ignored)) fail("it is a folder; give a picture file");
+    OIIO::ImageSpec asStored;
+    asStored.attribute("oiio:UnassociatedAlpha", 1);  // else colours are multiplied by alpha before they are decoded
+    auto input = OIIO::ImageInput::open(path, &asStored);
+    if (!input) fail(OIIO::geterror() + "; give an EXR, HDR, PNG, JPEG or TIFF picture");
+    const OIIO::ImageSpec& spec = input->spec();
+    Image image(spec.width, spec.height, spec.nchannels);
+    const bool linear = spec.format.is_floating_point();
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
+        fail(input->geterror());
+    if (!linear) decode(image);
+    return image;
+}
+
+void writeImage(const std::string& path, const Image& image) {
+    requireImage(image);
+    const ImageFormat format = imageFormat(path);
+    if (format == ImageFormat::Unknown)
+        throw IoError("cannot write '" + path + "': the extension '" + lowerExtension(path) +
+                      "' is not known; use .exr or .png");
+    if (format == ImageFormat::Png && image.channels > 4)
+        throw InvalidArgument("a PNG holds at most 4 channels, the image has " + std::to_string(image.channels) +
+                              "; write an .exr");
+    OutputFile file(path);
+    if (format == ImageFormat::Exr)
+        writePixels(path, file.temporary(), image, OIIO::TypeDesc::FLOAT, image.pixels.data());
+    else
+        writePixels(path, file.temporary(), image, OIIO::TypeDesc::UINT8, encode(image).data());
+    file.commit();
+}
+
+}  // namespace raysweep

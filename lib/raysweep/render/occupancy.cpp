@@ -1,0 +1,153 @@
+#include "raysweep/render/occupancy.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <vector>
+
+namespace raysweep {
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using Leaf = FloatTree::LeafNodeType;
+using Accessor = FloatGrid::Accessor;
+
+constexpr int kBlock = 8;  // voxels along a leaf's side
+
+/// What a leaf holds: anything at all, and anything in its faces x = 0, y = 0, z = 0. A voxel there reaches into the
+/// cells before it, which lie in the neighbouring leaf.
+enum LeafContent : std::uint8_t { kAny = 8, kFaceX = 4, kFaceY = 2, kFaceZ = 1 };
+
+bool isValid(float density) {
+    return density >= 0 && std::isfinite(density);
+}
+
+[[noreturn]] void refuse(const Coord& voxel, float density) {
+    std::ostringstream message;
+    message << "density at voxel " << voxel << " is " << density << ": must be finite and not negative";
+    throw InvalidArgument(message.str());
+}
+
+std::uint8_t content(const Leaf& leaf) {
+    std::uint8_t result = 0;
+    for (auto value = leaf.cbeginValueOn(); value; ++value) {
+        if (*value == 0) continue;
+        const auto offset = value.pos();  // x<<6 | y<<3 | z
+        result |= kAny;
+        if ((offset >> 6) == 0) result |= kFaceX;
+        if (((offset >> 3) & 7) == 0) result |= kFaceY;
+        if ((offset & 7) == 0) result |= kFaceZ;
+    }
+    return result;
+}
+
+void requireValid(const std::vector<const Leaf*>& leaves) {
+    std::vector<std::uint8_t> bad(leaves.size());
+    parallelFor(leaves.size(), [&](std::size_t i) {
+        for (auto value = leaves[i]->cbeginValueOn(); value; ++value) bad[i] |= !isValid(*value);
+    });
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+        if (!bad[i]) continue;
+        for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
+            if (!isValid(*value)) refuse(value.getCoord(), *value);
+    }
+}
+
+void markBlock(Accessor& marks, const Coord& origin) {
+    if (!marks.isValueOn(origin)) marks.addTile(1, origin, 1.0f, true);
+}
+
+void markLeaf(Accessor& marks, const Coord& origin, std::uint8_t held) {
+    if (!(held & kAny)) return;
+    for (int faces = 0; faces < 8; ++faces)
+        if ((held & faces) == faces)
+            markBlock(marks, origin.offsetBy(faces & kFaceX ? -kBlock : 0, faces & kFaceY ? -kBlock : 0,
+                                             faces & kFaceZ ? -kBlock : 0));
+}
+
+/// Marks the box [min,max] with tiles of `level`, whose side is `side`; min must be a multiple of it.
+void markBox(Accessor& marks, const CoordBBox& box, int level, int side) {
+    for (int x = box.min().x(); x <= box.max().x(); x += side)
+        for (int y = box.min().y(); y <= box.max().y(); y += side)
+            for (int z = box.min().z(); z <= box.max().z(); z += side) {
+                if (level == 1)
+                    markBlock(marks, Coord(x, y, z));
+                else
+                    marks.addTile(level, Coord(x, y, z), 1.0f, true);
+            }
+}
+
+/// Marks a tile and the cells before it. These are marked in tiles one level smaller than the tile itself, so that a
+/// huge tile does not need millions of small blocks.
+void markTile(Accessor& marks, const CoordBBox& tile, int level) {
+    marks.addTile(level, tile.min(), 1.0f, true);
+    const int shellLevel = level > 1 ? level - 1 : 1;
+    const int side = shellLevel == 1 ? kBlock : 128;
+    const Coord low = tile.min().offsetBy(-side), high = tile.max(), first = tile.min();
+    markBox(marks, {low, Coord(first.x() - 1, high.y(), high.z())}, shellLevel, side);
+    markBox(marks, {Coord(first.x(), low.y(), low.z()), Coord(high.x(), first.y() - 1, high.z())}, shellLevel, side);
+    markBox(marks, {Coord(first.x(), first.y(), low.z()), Coord(high.x(), high.y(), first.z() - 1)}, shellLevel, side);
+}
+
+void markTiles(Accessor& marks, const FloatGrid& density) {
+    auto tile = density.tree().cbeginValueOn();
+    tile.setMaxDepth(FloatTree::ValueOnCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        CoordBBox box;
+        tile.getBoundingBox(box);
+        if (!isValid(*tile)) refuse(box.min(), *tile);
+        if (*tile != 0) markTile(marks, box, int(tile.getLevel()));
+    }
+}
+
+bool isZeroWhereInactive(const FloatGrid& density, const std::vector<const Leaf*>& leaves) {
+    if (density.background() != 0) return false;
+    auto tile = density.tree().cbeginValueOff();
+    tile.setMaxDepth(FloatTree::ValueOffCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        if (*tile != 0) return false;
+    std::atomic<bool> zero{true};
+    parallelFor(leaves.size(), [&](std::size_t i) {
+        for (auto value = leaves[i]->cbeginValueOff(); value; ++value)
+            if (*value != 0) zero = false;
+    });
+    return zero;
+}
+
+std::vector<const Leaf*> leavesOf(const FloatGrid& density) {
+    std::vector<const Leaf*> leaves;
+    density.tree().getNodes(leaves);
+    return leaves;
+}
+
+}  // namespace
+
+openvdb::FloatTree::Ptr occupancy(const FloatGrid& density) {
+    const std::vector<const Leaf*> leaves = leavesOf(density);
+    requireValid(leaves);
+    std::vector<std::uint8_t> held(leaves.size());
+    parallelFor(leaves.size(), [&](std::size_t i) { held[i] = content(*leaves[i]); });
+
+    auto tree = std::make_shared<FloatTree>(0.0f);
+    Accessor marks(*tree);
+    markTiles(marks, density);
+    for (std::size_t i = 0; i < leaves.size(); ++i) markLeaf(marks, leaves[i]->origin(), held[i]);
+    return tree;
+}
+
+FloatGrid::ConstPtr zeroWhereInactive(const FloatGrid::ConstPtr& density) {
+    if (isZeroWhereInactive(*density, leavesOf(*density))) return density;
+    FloatGrid::Ptr copy = density->deepCopy();
+    for (auto value = copy->beginValueOff(); value; ++value) value.setValue(0.0f);
+    copy->tree().root().setBackground(0.0f, /*updateChildNodes=*/false);
+    return copy;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,66 @@
+/// Pictures of a lit volume.
+#pragma once
+
+#include "raysweep/camera/camera.h"
+#include "raysweep/core/progress.h"
+#include "raysweep/core/types.h"
+#include "raysweep/image/image.h"
+#include "raysweep/volume/grids.h"
+
+namespace raysweep {
+
+/// What is looked at.
+struct RenderInput {
+    /// Non-negative and finite where active, 0 elsewhere (other inactive values count as 0); any linear transform.
+    openvdb::FloatGrid::ConstPtr density;
+    double extinctionScale = 1;  ///< extinction per unit density, 1/world unit, not negative
+    /// Source radiance S, W/m^2/sr: FloatGrid or Vec3SGrid, finite; any linear transform. It should reach one voxel
+    /// beyond `density`, or edges are mixed with its background. An empty grid with background 1 makes S = 1
+    /// everywhere.
+    openvdb::GridBase::ConstPtr radiosity;
+};
+
+struct RenderOptions {
+    double step = 0.5;               ///< distance between samples, voxels of the density, in (0,8]
+    int samples = 1;                 ///< rays per pixel along each side: n means n x n on a regular grid, in [1,64]
+    Color background = grey(0);      ///< radiance behind the volume, not negative
+    bool lambert = false;            ///< multiply S by the cosine between view and surface normal, see `render`
+    double minTransmittance = 1e-4;  ///< a ray that lets less than this through ends, in [0,1)
+
+    /// @throw InvalidArgument that names field, value and bound.
+    void validate() const;
+};
+
+struct RenderResult {
+    Image image;           ///< RGBA, linear
+    double seconds = 0;    ///< wall-clock time
+    bool complete = true;  ///< false when stopped by the progress callback: the pixels not yet reached are 0
+};
+
+/// Emission and absorption along each pixel's rays (Dachille, Mueller, Kaufman 2000, section 2.3), with density and S
+/// interpolated linearly between voxel centres:
+///
+///     L = integral of S(s) sigma(s) T(s) ds + T(end) background,   T(s) = exp(-integral of sigma from the eye to s)
+///
+/// Each step takes sigma and S at its middle and its exact opacity 1 - exp(-sigma ds), so S = background = 1 gives 1 in
+/// every pixel whatever the density and the step. Samples lie at fixed distances from the eye, so skipping empty space
+/// changes nothing. A ray that ends early passes what little it had left on to what it met.
+///
+/// The picture is RGBA, alpha = 1 - T. RGB is what arrives at the eye: **the background is composited already**; to put
+/// the volume over another picture render it over black, then RGB is premultiplied in the usual sense.
+///
+/// With `lambert` S is multiplied by max(0, -d.n), d the direction of view, n = -grad sigma/|grad sigma| (central
+/// differences over one voxel each way): the paper's cosine factor, for surfaces in classified solids. Where density is
+/// flat there is no normal and the factor is 1.
+///
+/// The same bits for any number of threads.
+/// @param progress called between groups of image tiles; when it returns false the picture is returned as it is.
+/// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative density
+/// (with its voxel), and options or camera out of range.
+RenderResult render(const RenderInput& input, const Camera& camera, const RenderOptions& options = {},
+                    const ProgressCallback& progress = {});
+
+/// The box in world space around the active voxels and tiles of `grid`; empty if there are none.
+Box3 worldBounds(const openvdb::GridBase& grid);
+
+}  // namespace raysweep
