@@ -1,0 +1,179 @@
+/// raysweep light: lights a volume.
+#include "light_options.h"
+#include "plot.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/memory.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+/// Half floats end at 65504. @return number of voxels clamped
+std::size_t clampGrid(openvdb::GridBase& grid) {
+    if (grid.isType<openvdb::FloatGrid>()) return clampForHalf(static_cast<openvdb::FloatGrid&>(grid));
+    return clampForHalf(static_cast<openvdb::Vec3SGrid&>(grid));
+}
+
+void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const Scene& scene) {
+    const auto text = [&](const char* key, const std::string& value) {
+        grid.insertMeta(key, openvdb::StringMetadata(value));
+    };
+    text("raysweep_version", RAYSWEEP_VERSION);
+    text("raysweep_options", a.commandLine);
+    text("raysweep_density", scene.medium.density->getName());
+    text("raysweep_exchange", a.options.exchange == MediumExchange::paper ? "paper" : "medium");
+    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(scene.medium.extinctionScale));
+}
+
+/// All grids of the input that are not what is written now, and what is written now.
+void writeLit(const std::string& path, const LightArguments& a, const Scene& scene, const VdbFile& input,
+              const std::vector<openvdb::GridBase::Ptr>& lit) {
+    openvdb::GridCPtrVec grids;
+    for (const auto& grid : input.grids)
+        if (grid->getName() != "radiosity" && grid->getName() != "unshot") grids.push_back(grid);
+    for (const auto& grid : lit) {
+        setMetadata(*grid, a, scene);
+        grid->setSaveFloatAsHalf(a.half);
+        const std::size_t clamped = a.half ? clampGrid(*grid) : 0;
+        if (clamped > 0)
+            warning(a.common, std::to_string(clamped) + " voxels of '" + grid->getName() +
+                                  "' are too bright for half floats and were set to 65504");
+        grids.push_back(grid);
+    }
+    writeVdb(path, grids, input.metadata);
+}
+
+double mean(const double (&values)[kMaxChannels], int channels) {
+    double sum = 0;
+    for (int c = 0; c < channels; ++c) sum += values[c];
+    return sum / channels;
+}
+
+const char* nameOf(Termination termination) {
+    switch (termination) {
+        case Termination::converged: return "converged";
+        case Termination::sweepLimit: return "sweep limit";
+        case Termination::interrupted: return "interrupted";
+        case Termination::direct: return "direct light only";
+    }
+    return "";
+}
+
+nlohmann::json describe(const LightArguments& a, const Illumination& lit, double readSeconds, double writeSeconds) {
+    const int channels = lit.plan.channels, sweeps = lit.sweeps + lit.finishingSweeps;
+    const double sweeping = lit.seconds.sweeps + lit.seconds.finish;
+    nlohmann::json json = {
+        {"voxels_active", lit.activeVoxels},
+        {"sweeps", lit.sweeps},
+        {"sweeps_finishing", lit.finishingSweeps},
+        {"seconds", readSeconds + lit.seconds.prepare + lit.seconds.direct + sweeping + lit.seconds.output + writeSeconds},
+        {"seconds_per_sweep", sweeps > 0 ? sweeping / sweeps : 0.0},
+        {"power_injected", mean(lit.power.injected, channels)},
+        {"power_absorbed", mean(lit.power.absorbed, channels)},
+        {"power_escaped", mean(lit.power.escaped, channels)},
+        {"power_unshot", mean(lit.power.unshot, channels)},
+        {"balance_error", lit.power.error()},
+        {"converged", lit.termination == Termination::converged || lit.termination == Termination::direct},
+        {"termination", nameOf(lit.termination)},
+        {"plan", lit.plan.reasons},
+        {"peak_bytes", a.peakBytes},
+        {"voxels_thick_share", lit.thickShare},
+        {"options", a.commandLine}};
+    json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
+                       {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
+                       {"write", writeSeconds}};
+    json["rms_history"] = nlohmann::json::array();
+    for (const ConvergencePoint& point : lit.history)
+        json["rms_history"].push_back({{"sweep", point.sweep}, {"rms", point.rms}, {"unshot", point.unshotShare}});
+    return json;
+}
+
+void explain(const Plan& plan) {
+    for (const std::string& reason : plan.reasons) std::cout << reason << "\n";
+}
+
+void comment(const LightArguments& a, const Illumination& lit) {
+    if (lit.thickShare > 0)
+        warning(a.common, std::to_string(100 * lit.thickShare).substr(0, 4) +
+                              " % of the voxels have an optical depth above 2, where the grid is too coarse to be accurate");
+    if (lit.invisibleEmitters > 0)
+        warning(a.common, std::to_string(lit.invisibleEmitters) +
+                              " voxels emit but have no extinction: they light others but cannot be seen themselves");
+    if (lit.activeVoxels == 0) warning(a.common, "the density grid is empty: there is nothing to light");
+    if (lit.termination == Termination::sweepLimit)
+        warning(a.common, "not converged after " + std::to_string(lit.sweeps) + " sweeps; raise --sweeps");
+    detail(a.common, std::to_string(lit.sweeps) + " sweeps and " + std::to_string(lit.finishingSweeps) +
+                         " to finish, power balance error " + std::to_string(lit.power.error()));
+}
+
+std::string snapshotName(const std::string& output, int sweep) {
+    const std::filesystem::path path(output);
+    char number[16];
+    std::snprintf(number, sizeof number, "_%04d", sweep);
+    return (path.parent_path() / (path.stem().string() + number + path.extension().string())).string();
+}
+
+int run(LightArguments& a) {
+    completeOptions(a);
+    const ThreadLimit limit(a.common.threads);
+    if (!a.explain) requireWritable(a.output);
+    if (!a.plot.empty()) requirePlot(a.plot);
+
+    Timer timer;
+    const VdbFile file = readVdb(a.input);
+    const Scene scene = buildScene(a, file);
+    const double readSeconds = timer.seconds();
+    if (a.explain) {
+        scene.validate();
+        explain(planIllumination(scene, a.options));
+        return kDone;
+    }
+    if (a.snapshots > 0) {
+        a.options.snapshotEvery = a.snapshots;
+        a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
+            writeLit(snapshotName(a.output, sweep), a, scene, file, {radiosity});
+        };
+    }
+
+    resetPeak();
+    const std::size_t before = residentBytes();
+    TerminalProgress progress(a.common);
+    Illumination lit = illuminate(scene, a.options, progress.callback());
+    const std::size_t peak = peakResidentBytes();
+    a.peakBytes = peak > before ? peak - before : 0;
+
+    timer = Timer();
+    std::vector<openvdb::GridBase::Ptr> grids{lit.radiosity};
+    if (lit.unshot) grids.push_back(lit.unshot);
+    writeLit(a.output, a, scene, file, grids);
+    const double writeSeconds = timer.seconds();
+    comment(a, lit);
+    if (!a.plot.empty()) plotConvergence(a.plot, lit.history, a.options.tolerance);
+    writeReport(a.common, describe(a, lit, readSeconds, writeSeconds));
+    return lit.termination == Termination::interrupted ? kInterrupted : kDone;
+}
+
+}  // namespace
+
+void addLight(CLI::App& app, int& exitCode) {
+    CLI::App* command = app.add_subcommand("light", "Light a volume: direct light and all scattering");
+    const auto arguments = std::make_shared<LightArguments>();
+    addLightOptions(*command, *arguments);
+    command->callback([arguments, command, &exitCode] {
+        arguments->commandLine = command->config_to_str(/*default_also=*/true);
+        exitCode = run(*arguments);
+    });
+}
+
+}  // namespace raysweep::apps

@@ -1,0 +1,198 @@
+#include "light_options.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <map>
+
+namespace raysweep::apps {
+namespace {
+
+const std::map<std::string, Interpolation> kInterpolations = {{"nearest", Interpolation::nearest},
+                                                              {"linear", Interpolation::linear}};
+const std::map<std::string, Remaining> kRemaining = {
+    {"shoot", Remaining::shoot}, {"drop", Remaining::drop}, {"spread", Remaining::spread}};
+const std::map<std::string, DirectionSet> kDirectionSets = {{"fibonacci", DirectionSet::fibonacci},
+                                                            {"random", DirectionSet::random},
+                                                            {"low-discrepancy", DirectionSet::lowDiscrepancy}};
+/// Tolerances of the named qualities; `preview` is the default tolerance.
+const std::map<std::string, double> kQualities = {{"draft", 0.03}, {"preview", 0.01}, {"final", 0.003}};
+
+template <class Value>
+void addChoice(CLI::App& app, const std::string& name, Value& value, const std::map<std::string, Value>& choices,
+               const std::string& shownDefault, const std::string& help) {
+    app.add_option_function<std::string>(name, [&value, &choices](const std::string& text) { value = choices.at(text); }, help)
+        ->check(CLI::IsMember(choices))
+        ->default_str(shownDefault);
+}
+
+void addSceneOptions(CLI::App& app, LightArguments& a) {
+    app.add_option("--density", a.density, "Grid that is lit; NAME[1] is the second of that name (default: density, else the only float grid)")
+        ->type_name("NAME");
+    app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit")->capture_default_str();
+    app.add_flag("--from-level-set", a.fromLevelSet, "The density grid is a level set: light its inside as fog");
+    app.add_flag("--repair", a.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
+    app.add_option("--albedo", a.albedo, "Single-scattering albedo in [0,1]: one number, R,G,B or grid:NAME")
+        ->capture_default_str()
+        ->type_name("A");
+    app.add_option("--emission", a.emission, "Emitted power density, W/unit^3, isotropic")->type_name("grid:NAME");
+    app.add_option("--emission-scale", a.emissionScale, "Factor on --emission")->capture_default_str();
+    app.add_option("--sun", a.suns, "Parallel light travelling along DX,DY,DZ; E: irradiance at normal incidence, W/unit^2, or E:R:G:B; repeatable")
+        ->allow_extra_args(false)
+        ->type_name("DX,DY,DZ,E");
+    app.add_option("--point", a.points, "Point light anywhere, power P, W, or P:R:G:B; repeatable")
+        ->allow_extra_args(false)
+        ->type_name("X,Y,Z,P");
+    app.add_option("--sky", a.sky, "Radiance of light from all around, one number or R,G,B")->type_name("L");
+    app.add_option("--sky-scale", a.skyScale, "Factor on --sky")->capture_default_str();
+}
+
+void addSolverOptions(CLI::App& app, LightArguments& a) {
+    IlluminateOptions& o = a.options;
+    app.add_option("--exchange", a.exchange, "What voxels and rays exchange; auto: medium; paper: Algorithm 1 as printed")
+        ->check(CLI::IsMember({"auto", "medium", "paper"}))
+        ->capture_default_str();
+    app.add_option("--tolerance", a.tolerance, "Stop when the RMS difference of radiosity 20 sweeps apart, relative to its RMS, is below this; 0: never (default: 0.01)")
+        ->type_name("T");
+    app.add_option("--sweeps", o.sweeps, "Most sweeps; with --tolerance 0 the exact number; 0: single scattering")
+        ->capture_default_str();
+    app.add_option("--quality", a.quality, "Tolerance by name: draft 0.03, preview 0.01, final 0.003")
+        ->check(CLI::IsMember(kQualities));
+    app.add_option("--zeta", o.zeta, "Part of a voxel's unshot power that one sweep shoots, (0,1]")->capture_default_str();
+    addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "How rays and voxels meet");
+    addChoice(app, "--remaining", o.remaining, kRemaining, "shoot", "What becomes of unshot energy at the end");
+    app.add_option("--unshot", o.unshotShare, "--remaining shoot ends when less than this part is unshot")
+        ->capture_default_str();
+    addChoice(app, "--directions", o.directions, kDirectionSets, "fibonacci", "How sweep directions are chosen");
+    app.add_option("--batch", o.batch, "Directions per shuffled, rotated Fibonacci batch")->capture_default_str();
+}
+
+void addOutputOptions(CLI::App& app, LightArguments& a) {
+    app.add_flag("--half", a.half, "Save radiosity and unshot as half floats");
+    app.add_option("--snapshots", a.snapshots, "Also write OUT_0020.vdb ... every N sweeps, unshot energy spread")
+        ->check(CLI::Range(0, 1000000))
+        ->type_name("N");
+    app.add_option("--plot", a.plot, "Draw the convergence")->type_name("FILE.svg|.png");
+    app.add_flag("--explain", a.explain, "Say what will be modelled and why, and stop");
+}
+
+/// "E" or "E:R:G:B" for strength times colour.
+Color parseStrength(const std::string& text, const std::string& option, const std::string& example) {
+    const std::vector<std::string> parts = split(text, ':');
+    if (parts.size() != 1 && parts.size() != 4) usageError(option, "'" + text + "': one number or E:R:G:B is needed, as in " + example);
+    const double strength = parseNumber(parts[0], option, example);
+    Color color = grey(float(strength));
+    for (std::size_t i = 1; i < parts.size(); ++i)
+        color[int(i) - 1] = float(strength * parseNumber(parts[i], option, example));
+    if (std::min({color.x, color.y, color.z}) < 0) usageError(option, "'" + text + "': light cannot be negative");
+    return color;
+}
+
+struct Light {
+    Vec3 vector;
+    Color strength;
+};
+
+/// Three coordinates and a strength.
+Light parseLight(const std::string& text, const std::string& option, const std::string& example) {
+    const std::vector<std::string> parts = split(text, ',');
+    if (parts.size() != 4) usageError(option, "'" + text + "': four values are needed, as in " + example);
+    Light light;
+    for (int i = 0; i < 3; ++i) light.vector[i] = parseNumber(parts[std::size_t(i)], option, example);
+    light.strength = parseStrength(parts[3], option, example);
+    return light;
+}
+
+std::string gridName(const std::string& text, const std::string& option) {
+    const std::string prefix = "grid:";
+    if (text.rfind(prefix, 0) != 0 || text == prefix) usageError(option, "'" + text + "': grid:NAME is needed");
+    return text.substr(prefix.size());
+}
+
+bool namesGrid(const std::string& text) { return text.rfind("grid:", 0) == 0; }
+
+std::vector<Sun> parseSuns(const LightArguments& a) {
+    std::vector<Sun> suns;
+    for (const std::string& text : a.suns) {
+        const Light light = parseLight(text, "--sun", "--sun 0.3,-1,0.2,3");
+        if (light.vector.length() == 0) usageError("--sun", "'" + text + "': the direction has no length");
+        suns.push_back({light.vector, light.strength});
+    }
+    return suns;
+}
+
+std::vector<PointLight> parsePoints(const LightArguments& a) {
+    std::vector<PointLight> points;
+    for (const std::string& text : a.points) {
+        const Light light = parseLight(text, "--point", "--point 0,0,5,100");
+        points.push_back({light.vector, light.strength});
+    }
+    return points;
+}
+
+Color parseAlbedo(const std::string& text) {
+    const Color albedo = parseColor(text, "--albedo");
+    if (maxComponent(albedo) > 1) usageError("--albedo", "'" + text + "': an albedo is in [0,1]");
+    return albedo;
+}
+
+openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile& file) {
+    openvdb::FloatGrid::Ptr density =
+        a.fromLevelSet ? selectLevelSetAsFog(file, a.density) : selectDensity(file, a.density);
+    if (!a.repair) return density;
+    const openvdb::FloatGrid::Ptr repaired = density->deepCopy();
+    const std::size_t count = repairVoxels(*repaired);
+    if (count > 0) warning(a.common, std::to_string(count) + " voxels of '" + density->getName() + "' were NaN, infinite or negative; they count as 0");
+    return repaired;
+}
+
+}  // namespace
+
+void addLightOptions(CLI::App& app, LightArguments& a) {
+    app.add_option("input", a.input, "Volume to light")->required()->type_name("IN.vdb");
+    app.add_option("-o,--output", a.output, "Lit volume: all grids of the input, and radiosity and unshot")
+        ->type_name("OUT.vdb");
+    addSceneOptions(app, a);
+    addSolverOptions(app, a);
+    addOutputOptions(app, a);
+    addCommonOptions(app, a.common);
+}
+
+void completeOptions(LightArguments& a) {
+    if (!a.explain || !a.output.empty()) requireFileOutput(a.output);
+    IlluminateOptions& o = a.options;
+    if (!a.quality.empty()) o.tolerance = kQualities.at(a.quality);
+    if (a.tolerance) o.tolerance = *a.tolerance;
+    o.exchange = a.exchange == "paper" ? MediumExchange::paper : MediumExchange::consistent;
+    o.seed = a.common.seed;
+    try {
+        o.validate();
+    } catch (const InvalidArgument& e) {
+        usageError("options", e.what());
+    }
+    if (!(a.extinction >= 0)) usageError("--extinction", "must not be negative");
+    if (!namesGrid(a.albedo)) parseAlbedo(a.albedo);
+    if (!a.emission.empty()) gridName(a.emission, "--emission");
+    parseSuns(a);
+    parsePoints(a);
+    if (!a.sky.empty()) parseColor(a.sky, "--sky");
+}
+
+Scene buildScene(const LightArguments& a, const VdbFile& file) {
+    Scene scene;
+    scene.medium.density = densityFrom(a, file);
+    scene.medium.extinctionScale = a.extinction;
+    if (namesGrid(a.albedo))
+        scene.medium.albedoGrid = selectGrid(file, gridName(a.albedo, "--albedo"));
+    else
+        scene.medium.albedo = parseAlbedo(a.albedo);
+    if (!a.emission.empty()) scene.medium.emission = selectGrid(file, gridName(a.emission, "--emission"));
+    scene.medium.emissionScale = a.emissionScale;
+    scene.suns = parseSuns(a);
+    scene.points = parsePoints(a);
+    if (!a.sky.empty()) scene.sky.radiance = parseColor(a.sky, "--sky") * float(a.skyScale);
+    return scene;
+}
+
+}  // namespace raysweep::apps

@@ -1,0 +1,155 @@
+// Time of a sweep against the time that streaming the same voxels through memory takes, measured in the same run: machines
+// differ and are shared, ratios stay.
+#include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/direct.h"
+#include "raysweep/illuminate/state.h"
+#include "raysweep/sweep/directions.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/vdb_io.h"
+
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+using namespace raysweep;
+
+namespace {
+
+constexpr double kBytesPerVoxel = 20;  // extinction, unshot and deposit read, unshot and deposit written
+
+/// Bandwidth of a = b + s c, bytes/s: the best of some runs over arrays that no cache holds.
+double triadBandwidth() {
+    static const double best = [] {
+        constexpr std::size_t kCount = 1 << 25, kChunk = 1 << 15;
+        std::vector<float> a(kCount, 1.0f), b(kCount, 2.0f), c(kCount, 3.0f);
+        double fastest = 1e30;
+        for (int run = 0; run < 12; ++run) {
+            const Timer timer;
+            parallelFor(kCount / kChunk, [&](std::size_t chunk) {
+                float* const to = a.data() + chunk * kChunk;
+                const float* const x = b.data() + chunk * kChunk;
+                const float* const y = c.data() + chunk * kChunk;
+                for (std::size_t i = 0; i < kChunk; ++i) to[i] = x[i] + 0.5f * y[i];
+            });
+            fastest = std::min(fastest, timer.seconds());
+            benchmark::DoNotOptimize(a.data());
+        }
+        return 3.0 * double(kCount) * sizeof(float) / fastest;
+    }();
+    return best;
+}
+
+openvdb::FloatGrid::Ptr denseBlock(int x, int y, int z) {
+    auto grid = openvdb::FloatGrid::create();
+    grid->denseFill({{0, 0, 0}, {x - 1, y - 1, z - 1}}, 0.02f);
+    return grid;
+}
+
+openvdb::FloatGrid::Ptr smoke() {
+    const char* given = std::getenv("RAYSWEEP_DATA");
+    const std::string folder = given ? given : RAYSWEEP_SOURCE_DIR "/../shared/data";
+    const std::string path = folder + "/vdb/smoke.vdb";
+    return std::filesystem::exists(path) ? selectDensity(readVdb(path)) : nullptr;
+}
+
+/// Smoke with two more voxels, so far away that the bounding box is ten times as long along every axis.
+openvdb::FloatGrid::Ptr smokeInLargeBox() {
+    const auto grid = smoke();
+    if (!grid) return grid;
+    const auto wide = grid->deepCopy();
+    const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
+    const openvdb::Coord size = box.dim();
+    const auto shifted = [&](const openvdb::Coord& from, double times) {
+        return openvdb::Coord(from.x() + int(times * size.x()), from.y() + int(times * size.y()), from.z() + int(times * size.z()));
+    };
+    wide->tree().setValue(shifted(box.min(), -4.5), 0.1f);
+    wide->tree().setValue(shifted(box.max(), 4.5), 0.1f);
+    return wide;
+}
+
+/// A state as in the middle of a solution: everything has been touched.
+std::unique_ptr<SolverState> makeState(const openvdb::FloatGrid::Ptr& density, double extinction, Interpolation interpolation,
+                                       bool coloured) {
+    Scene scene;
+    scene.medium.density = density;
+    scene.medium.extinctionScale = extinction;
+    if (coloured) scene.medium.albedo = Color(0.9f, 0.8f, 0.7f);
+    scene.sky.radiance = grey(1);
+    IlluminateOptions options;
+    options.interpolation = interpolation;
+    auto state = std::make_unique<SolverState>(prepareState(scene, options, planIllumination(scene, options)));
+    allocateSweepFields(*state, options);
+    return state;
+}
+
+ExchangeFields fieldsOf(SolverState& state) {
+    ExchangeFields fields;
+    fields.channels = state.channels;
+    fields.tau = viewOf(state.tau);
+    for (int c = 0; c < state.channels; ++c) {
+        fields.albedo[c] = state.albedoView(c);
+        fields.source[c] = sharedView(state.zero);
+        fields.unshot[c] = viewOf(state.unshot[c]);
+        fields.deposit[c] = viewOf(state.recent[c]);
+        fields.fresh[c] = viewOf(state.fresh[c]);
+    }
+    return fields;
+}
+
+using Volume = openvdb::FloatGrid::Ptr (*)();
+openvdb::FloatGrid::Ptr paperBlock() { return denseBlock(276, 276, 130); }
+
+/// `major` in 0..2 takes directions of that axis only, 3 all.
+void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolation, bool coloured, int threads, int major) {
+    const openvdb::FloatGrid::Ptr density = volume();
+    if (!density) return bench.SkipWithError("the smoke volume is not there");
+    const auto state = makeState(density, 1.0, interpolation, coloured);
+    const ExchangeFields fields = fieldsOf(*state);
+    DirectionSequence directions(DirectionSet::fibonacci, 32, 1);
+    const auto sweepOnce = [&] {
+        Vec3 direction = directions.next();
+        while (major < 3 && majorAxis(direction) != major) direction = directions.next();
+        const int reach = interpolation == Interpolation::linear ? 1 : 0;
+        const RayFront front = parallelFront(state->volume.layout, direction, reach, 0.3, 0.7, state->volume.periodic);
+        ExchangeStep step = exchangeStep(*state, front, 0.5);
+        for (float& power : step.entering) power = 1;
+        benchmark::DoNotOptimize(sweep(state->volume, front, interpolation, fields, step));
+        if (interpolation == Interpolation::linear) settle(state->volume, fields, step);
+    };
+    const double streaming = double(state->volume.layout.activeVoxels) * kBytesPerVoxel / triadBandwidth();
+    const ThreadLimit limit(threads);
+    for (int i = 0; i < 32; ++i) sweepOnce();
+    double seconds = 0;
+    for (auto _ : bench) {
+        const Timer timer;
+        sweepOnce();
+        seconds += timer.seconds();
+    }
+    const double perSweep = seconds / double(bench.iterations());
+    bench.counters["ms"] = 1e3 * perSweep;
+    bench.counters["ns_voxel"] = 1e9 * perSweep / double(state->volume.layout.activeVoxels);
+    bench.counters["x_stream"] = perSweep / streaming;
+    bench.counters["GB_s_triad"] = 1e-9 * triadBandwidth();
+}
+
+#define SWEEP_BENCH(name, ...) BENCHMARK_CAPTURE(sweepBench, name, __VA_ARGS__)->UseRealTime()->Iterations(96)
+
+SWEEP_BENCH(dense_nearest, paperBlock, Interpolation::nearest, false, 2, 3);
+SWEEP_BENCH(dense_nearest_x, paperBlock, Interpolation::nearest, false, 2, 0);
+SWEEP_BENCH(dense_nearest_y, paperBlock, Interpolation::nearest, false, 2, 1);
+SWEEP_BENCH(dense_nearest_z, paperBlock, Interpolation::nearest, false, 2, 2);
+SWEEP_BENCH(dense_nearest_1thread, paperBlock, Interpolation::nearest, false, 1, 3);
+SWEEP_BENCH(dense_linear, paperBlock, Interpolation::linear, false, 2, 3);
+SWEEP_BENCH(dense_colour, paperBlock, Interpolation::nearest, true, 2, 3);
+SWEEP_BENCH(smoke_nearest, smoke, Interpolation::nearest, false, 2, 3);
+SWEEP_BENCH(smoke_nearest_1thread, smoke, Interpolation::nearest, false, 1, 3);
+SWEEP_BENCH(smoke_linear, smoke, Interpolation::linear, false, 2, 3);
+SWEEP_BENCH(smoke_colour, smoke, Interpolation::nearest, true, 2, 3);
+SWEEP_BENCH(smoke_in_large_box, smokeInLargeBox, Interpolation::nearest, false, 2, 3);
+
+}  // namespace
+
+BENCHMARK_MAIN();
