@@ -142,7 +142,7 @@ void requireFileOutput(const std::string& path, const std::string& option) {
     if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
 }
 
-void writeReport(const CommonOptions& options, const nlohmann::json& report) {
+void writeReport(const CommonOptions& options, const nlohmann::ordered_json& report) {
     if (options.reportFile.empty()) return;
     OutputFile target(options.reportFile);
     std::ofstream out(target.temporary());
