@@ -31,6 +31,11 @@ expect_exit 0 "$raysweep" generate box -o config.vdb --config section.toml --rep
 expect_json report.json "r['voxels_active'] == 120"
 expect_exit 0 "$raysweep" generate box -o config.vdb --config flat.toml --size 10 --report report.json
 expect_json report.json "r['voxels_active'] == 1000"
+printf 'output = "named.vdb"\nsize = 12\nquiet = true\n' >output.toml
+expect_exit 0 "$raysweep" generate box --config output.toml
+[ -f named.vdb ] || fail "a required option from a file was not used"
+printf 'output = "-"\n' >output.toml
+expect_exit 2 "$raysweep" generate box --config output.toml
 printf 'sizze = 20\n' >wrong.toml
 expect_exit 2 "$raysweep" generate box -o config.vdb --config wrong.toml
 expect_match "sizze"
