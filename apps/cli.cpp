@@ -43,12 +43,17 @@ class Config : public CLI::ConfigTOML {
   private:
     // [0, 0, -1, 3] is one value of an option that takes "0,0,-1,3"; ["a", "b"] gives an option twice.
     static void joinNumbers(std::vector<std::string>& inputs) {
-        double ignored = 0;
-        const auto isNumber = [&](const std::string& text) { return readNumber(text, ignored); };
-        if (inputs.size() < 2 || !std::all_of(inputs.begin(), inputs.end(), isNumber)) return;
+        if (inputs.size() < 2 || !std::all_of(inputs.begin(), inputs.end(), isNumberOrColor)) return;
         std::string joined;
         for (const std::string& input : inputs) joined += (joined.empty() ? "" : ",") + input;
         inputs = {joined};
+    }
+
+    static bool isNumberOrColor(const std::string& text) {
+        const std::vector<std::string> parts = split(text, ':');
+        double ignored = 0;
+        return std::all_of(parts.begin(), parts.end(),
+                           [&](const std::string& part) { return readNumber(part, ignored); });
     }
 
     const CLI::App& program_;
@@ -142,7 +147,7 @@ void requireFileOutput(const std::string& path, const std::string& option) {
     if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
 }
 
-void writeReport(const CommonOptions& options, const nlohmann::json& report) {
+void writeReport(const CommonOptions& options, const nlohmann::ordered_json& report) {
     if (options.reportFile.empty()) return;
     OutputFile target(options.reportFile);
     std::ofstream out(target.temporary());

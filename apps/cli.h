@@ -50,7 +50,7 @@ void warning(const CommonOptions& options, const std::string& text);
 void detail(const CommonOptions& options, const std::string& text);
 
 /// Writes a report if the user asked for one; whole or not at all. @throw IoError
-void writeReport(const CommonOptions& options, const nlohmann::json& report);
+void writeReport(const CommonOptions& options, const nlohmann::ordered_json& report);
 
 /// While it lives: Ctrl-C asks the work to stop (a second one kills), and on a terminal a bar with the time left is
 /// drawn on stderr, unless --quiet. Make one around long work and hand `callback()` to it.

@@ -13,13 +13,14 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <memory>
 
 namespace raysweep::apps {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 struct CompareOptions {
     CommonOptions common;
@@ -59,17 +60,23 @@ json compareImageFiles(const CompareOptions& options) {
     throw InvalidArgument("cannot compare '" + options.file + "': only .vdb files are supported by this build");
 }
 
+std::string toText(const json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (!value.is_number_float()) return value.dump();
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value.get<double>());
+    return text;
+}
+
 void print(const json& result) {
     for (const auto& [key, value] : result.items()) {
-        if (value.is_number_float())
-            std::printf("%-14s %.6g\n", key.c_str(), value.get<double>());
-        else if (value.is_null())
-            std::printf("%-14s %s\n", key.c_str(), key == "psnr" && result["rmse"] == 0 ? "inf" : "not finite");
-        else
-            std::printf("%-14s %s\n", key.c_str(),
-                        value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+        const bool equal = key == "psnr" && result["rmse"] == 0;
+        std::cout << std::left << std::setw(15) << key
+                  << (!value.is_null() ? toText(value)
+                      : equal          ? "infinite"
+                                       : "not finite")
+                  << "\n";
     }
-    std::fflush(stdout);
 }
 
 int runCompare(const CompareOptions& options) {

@@ -14,7 +14,7 @@
 namespace raysweep::apps {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;
 
 json toJson(const openvdb::Vec3d& v) {
     return {v.x(), v.y(), v.z()};

@@ -24,7 +24,10 @@ int fail(const char* what) {
 std::string describeUsageError(const CLI::App* app, const CLI::Error& error) {
     const auto called = app->get_subcommands();
     const std::string command = app->get_name() + (called.empty() ? "" : " " + called.front()->get_name());
-    return std::string("raysweep: ") + error.what() + "\nRun '" + command + " --help' for its options.\n";
+    // A misspelt word often leaves something else missing; the word is what the user wants to hear about.
+    const auto unknown = app->remaining(/*recurse=*/true);
+    const std::string what = unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'";
+    return "raysweep: " + what + "\nRun '" + command + " --help' for help.\n";
 }
 
 }  // namespace

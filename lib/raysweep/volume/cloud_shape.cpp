@@ -55,7 +55,7 @@ std::vector<CloudPuff> makePuffs(std::uint32_t seed) {
 
 /// Finds the box of what is really there on a coarse grid: the puffs' own box is larger, by bumps that they lack.
 void fitBox(CloudShape& shape) {
-    const Vec3 low = shape.low, size = shape.high - shape.low;
+    const Vec3 low = shape.outerLow, high = shape.outerHigh, size = high - low;
     constexpr int kSamples = 96;
     const double step = std::max({size.x, size.y, size.z}) / kSamples;
     struct Slab {
@@ -64,8 +64,8 @@ void fitBox(CloudShape& shape) {
     };
     std::vector<Slab> slabs(std::size_t(size.x / step) + 1);
     parallelFor(slabs.size(), [&](std::size_t i) {
-        for (double y = low.y; y <= shape.high.y; y += step)
-            for (double z = low.z; z <= shape.high.z; z += step) {
+        for (double y = low.y; y <= high.y; y += step)
+            for (double z = low.z; z <= high.z; z += step) {
                 const Vec3 p(low.x + double(i) * step, y, z);
                 const auto puffs = puffsNear(shape, p, 0);
                 if (puffs.empty() || cloudDensity(shape, puffs, p) <= 0) continue;
@@ -77,14 +77,13 @@ void fitBox(CloudShape& shape) {
                 slab.any = true;
             }
     });
-    Vec3 tightLow = shape.high, tightHigh = shape.low;
+    shape.low = high;
+    shape.high = low;
     for (const Slab& slab : slabs)
         for (int axis = 0; axis < 3 && slab.any; ++axis) {
-            tightLow[axis] = std::min(tightLow[axis], slab.low[axis] - step);
-            tightHigh[axis] = std::max(tightHigh[axis], slab.high[axis] + step);
+            shape.low[axis] = std::min(shape.low[axis], slab.low[axis] - step);
+            shape.high[axis] = std::max(shape.high[axis], slab.high[axis] + step);
         }
-    shape.low = tightLow;
-    shape.high = tightHigh;
 }
 
 }  // namespace
@@ -93,14 +92,14 @@ CloudShape makeCloudShape(std::uint32_t seed) {
     CloudShape shape;
     shape.seed = seed;
     shape.puffs = makePuffs(seed);
-    shape.low = shape.high = shape.puffs.front().centre;
+    shape.outerLow = shape.outerHigh = shape.puffs.front().centre;
     for (const CloudPuff& puff : shape.puffs)
         for (int axis = 0; axis < 3; ++axis) {
             const double reach = puff.radius + reachOfPuff();
-            shape.low[axis] = std::min(shape.low[axis], puff.centre[axis] - reach);
-            shape.high[axis] = std::max(shape.high[axis], puff.centre[axis] + reach);
+            shape.outerLow[axis] = std::min(shape.outerLow[axis], puff.centre[axis] - reach);
+            shape.outerHigh[axis] = std::max(shape.outerHigh[axis], puff.centre[axis] + reach);
         }
-    shape.low.z = std::max(shape.low.z, shape.base - kBump);
+    shape.outerLow.z = std::max(shape.outerLow.z, shape.base - kBump);
     fitBox(shape);
     return shape;
 }
@@ -122,7 +121,7 @@ double cloudDensity(const CloudShape& shape, const std::vector<CloudPuff>& puffs
     const Vec3 q = p * (1 / kBumpSize);
     const Vec3 warp(gradientNoise(q * 0.7, shape.seed + 101), gradientNoise(q * 0.7, shape.seed + 202),
                     gradientNoise(q * 0.7, shape.seed + 303));
-    const double bumps = billowNoise(q + warp * 0.5, 6, 0.5, shape.seed);
+    const double bumps = billowNoise(q + warp * 0.35, 6, 0.5, shape.seed);
     const double depth = kBump * (2.2 * bumps - 0.45) - distance;
     if (depth <= 0) return 0;
     const double body = 0.8 + 0.35 * fractalNoise(q * 1.7, 4, 0.5, shape.seed + 77);

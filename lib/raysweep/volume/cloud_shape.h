@@ -16,8 +16,9 @@ struct CloudPuff {
 /// Balls, big ones on the base and smaller ones on top of them. Lengths in units of about half the cloud's width.
 struct CloudShape {
     std::vector<CloudPuff> puffs;
-    double base = 0;  ///< height below which nothing is
-    Vec3 low, high;   ///< box outside of which the density is 0
+    double base = 0;           ///< height below which nothing is
+    Vec3 low, high;            ///< box of what is there, found by samples
+    Vec3 outerLow, outerHigh;  ///< box outside of which the density is surely 0
     std::uint32_t seed = 1;
 };
 

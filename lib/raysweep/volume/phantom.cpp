@@ -37,24 +37,40 @@ FloatGrid::Ptr makeGrid(const PhantomOptions& options, const Coord& box) {
     return grid;
 }
 
-/// Activates the voxels of [0,box) for which `density(position, leafData)` is above 0; `position` is the voxel's index
-/// relative to the centre of the box. `prepare(centre, leafData)` is called before, once per leaf; where it returns
-/// false the leaf is empty.
+std::vector<Coord> leafOrigins(const openvdb::CoordBBox& box) {
+    std::vector<Coord> origins;
+    const Coord first = box.min() & ~7, last = box.max() & ~7;
+    for (int x = first.x(); x <= last.x(); x += 8)
+        for (int y = first.y(); y <= last.y(); y += 8)
+            for (int z = first.z(); z <= last.z(); z += 8) origins.emplace_back(x, y, z);
+    return origins;
+}
+
+/// Where voxels are looked for, and the point, in index space, that they are described relative to.
+struct Region {
+    openvdb::CoordBBox box;
+    Vec3 middle;
+};
+
+Region regionOf(const Coord& box) {
+    return {openvdb::CoordBBox(Coord(0), box.offsetBy(-1)), Vec3(box.x() - 1, box.y() - 1, box.z() - 1) * 0.5};
+}
+
+/// Activates the voxels of `region` for which `density(position, leafData)` is above 0; `position` is the voxel's
+/// index relative to the middle. `prepare(centre, leafData)` is called before, once per leaf; where it returns false
+/// the leaf is empty.
 template <class LeafData, class Prepare, class Density>
-void fill(FloatGrid& grid, const Coord& box, const Prepare& prepare, const Density& density) {
-    const Coord leaves((box.x() + 7) / 8, (box.y() + 7) / 8, (box.z() + 7) / 8);
-    const Vec3 middle(0.5 * (box.x() - 1), 0.5 * (box.y() - 1), 0.5 * (box.z() - 1));
-    const auto fromMiddle = [&](const Coord& ijk) { return Vec3(ijk.x(), ijk.y(), ijk.z()) - middle; };
-    std::vector<std::unique_ptr<Leaf>> made(std::size_t(leaves.x()) * leaves.y() * leaves.z());
-    parallelFor(made.size(), [&](std::size_t n) {
-        const Coord origin(8 * int(n / (std::size_t(leaves.y()) * leaves.z())), 8 * int(n / leaves.z() % leaves.y()),
-                           8 * int(n % leaves.z()));
+void fill(FloatGrid& grid, const Region& region, const Prepare& prepare, const Density& density) {
+    const auto fromMiddle = [&](const Coord& ijk) { return Vec3(ijk.x(), ijk.y(), ijk.z()) - region.middle; };
+    const std::vector<Coord> origins = leafOrigins(region.box);
+    std::vector<std::unique_ptr<Leaf>> made(origins.size());
+    parallelFor(origins.size(), [&](std::size_t n) {
         LeafData data;
-        if (!prepare(fromMiddle(origin) + Vec3(3.5), data)) return;
-        auto leaf = std::make_unique<Leaf>(origin, 0.0f);
+        if (!prepare(fromMiddle(origins[n]) + Vec3(3.5), data)) return;
+        auto leaf = std::make_unique<Leaf>(origins[n], 0.0f);
         for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
             const Coord ijk = leaf->offsetToGlobalCoord(offset);
-            if (ijk.x() >= box.x() || ijk.y() >= box.y() || ijk.z() >= box.z()) continue;
+            if (!region.box.isInside(ijk)) continue;
             const double value = density(fromMiddle(ijk), data);
             if (value > 0) leaf->setValueOn(offset, float(value));
         }
@@ -83,7 +99,7 @@ FloatGrid::Ptr makeSphere(const PhantomOptions& options) {
     const double radius = 0.5 * (options.size - options.soft);
     const double reach = radius + 0.5 * options.soft + kLeafRadius;
     const auto near = [&](const Vec3& centre, int&) { return centre.length() <= reach; };
-    fill<int>(*grid, box, near, [&](const Vec3& p, int) {
+    fill<int>(*grid, regionOf(box), near, [&](const Vec3& p, int) {
         const double outside = p.length() - radius;
         if (options.soft == 0) return outside <= 0 ? double(options.density) : 0.0;
         return options.density * std::clamp(0.5 - outside / options.soft, 0.0, 1.0);
@@ -96,23 +112,29 @@ FloatGrid::Ptr makeBox(const PhantomOptions& options) {
     const Coord box = options.dims == Coord(0, 0, 0) ? Coord(options.size) : options.dims;
     const FloatGrid::Ptr grid = makeGrid(options, box);
     const auto always = [](const Vec3&, int&) { return true; };
-    fill<int>(*grid, box, always, [&](const Vec3&, int) { return double(options.density); });
+    fill<int>(*grid, regionOf(box), always, [&](const Vec3&, int) { return double(options.density); });
     return grid;
 }
 
 FloatGrid::Ptr makeCloud(const PhantomOptions& options) {
     options.validate();
     const CloudShape shape = makeCloudShape(options.seed);
-    const Vec3 extent = shape.high - shape.low, centre = (shape.high + shape.low) * 0.5;
-    const double h = std::max({extent.x, extent.y, extent.z}) / options.size;  // shape units per voxel
+    const Vec3 extent = shape.high - shape.low, centre = (shape.high + shape.low) * 0.5;  // of what is seen
+    const double h = std::max({extent.x, extent.y, extent.z}) / options.size;             // shape units per voxel
     const Coord box(int(std::ceil(extent.x / h - 1e-6)), int(std::ceil(extent.y / h - 1e-6)),
                     int(std::ceil(extent.z / h - 1e-6)));
     const FloatGrid::Ptr grid = makeGrid(options, box);
+    // The shape's box was found by samples, so a wisp may reach out of it; it is not cut off.
+    Region region = regionOf(box);
+    for (int axis = 0; axis < 3; ++axis) {
+        region.box.min()[axis] += int(std::floor((shape.outerLow[axis] - shape.low[axis]) / h));
+        region.box.max()[axis] += int(std::ceil((shape.outerHigh[axis] - shape.high[axis]) / h));
+    }
     const auto near = [&](const Vec3& leafCentre, std::vector<CloudPuff>& puffs) {
         puffs = puffsNear(shape, centre + leafCentre * h, kLeafRadius * h);
         return !puffs.empty();
     };
-    fill<std::vector<CloudPuff>>(*grid, box, near, [&](const Vec3& p, const std::vector<CloudPuff>& puffs) {
+    fill<std::vector<CloudPuff>>(*grid, region, near, [&](const Vec3& p, const std::vector<CloudPuff>& puffs) {
         return options.density * cloudDensity(shape, puffs, centre + p * h);
     });
     return grid;

@@ -80,7 +80,7 @@ ValueRange rangeOf(const GridT& grid) {
 struct Sums {
     std::uint64_t voxels = 0;
     double squaredDifference = 0, squaredReference = 0, peak = 0;
-    double max = -1;
+    double max = 0;
     Coord maxAt;
 
     template <class Value>
@@ -134,7 +134,7 @@ GridDifference differenceFrom(const Sums& sums, int channels) {
     }
     d.relativeRmse = d.rmse == 0 ? 0 : reference > 0 ? d.rmse / reference : kInfinity;
     d.psnr = d.rmse == 0 ? kInfinity : 20 * std::log10(sums.peak / d.rmse);
-    d.max = std::max(0.0, sums.max);
+    d.max = sums.max;
     d.maxAt = sums.maxAt;
     return d;
 }

@@ -7,6 +7,7 @@
 #include <openvdb/io/GridDescriptor.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -41,10 +42,12 @@ void Archive::read(std::istream& in, VdbFile& file) {
     file.metadata.readMeta(in);
 
     NamedGridMap named;
-    std::vector<GridDescriptor> descriptors(static_cast<std::size_t>(std::max(0, readGridCount(in))));
-    for (std::size_t i = 0; i < descriptors.size(); ++i) {
-        file.grids.push_back(readNext(in, descriptors[i], int(i) + 1, int(descriptors.size())));
-        named[descriptors[i].uniqueName()] = file.grids.back();
+    std::vector<GridDescriptor> descriptors;  // grows as it is read: the count of a damaged file may be anything
+    const int count = readGridCount(in);
+    for (int i = 0; i < count; ++i) {
+        descriptors.emplace_back();
+        file.grids.push_back(readNext(in, descriptors.back(), i + 1, count));
+        named[descriptors.back().uniqueName()] = file.grids.back();
     }
     for (const GridDescriptor& descriptor : descriptors)
         if (descriptor.isInstance()) connectInstance(descriptor, named);
@@ -58,14 +61,35 @@ GridBase::Ptr Archive::readNext(std::istream& in, GridDescriptor& descriptor, in
         return grid;
     } catch (const std::exception& e) {
         // A tree that was read half must not be destroyed: the slots of children that were not reached yet hold
-        // values that OpenVDB's destructor would take for pointers. Forgetting it is the lesser evil.
-        if (grid) new GridBase::Ptr(grid);
+        // values that OpenVDB's destructor would take for pointers. Keeping it for good is the lesser evil.
+        if (grid) static_cast<void>(new GridBase::Ptr(grid));
         if (dynamic_cast<const std::bad_alloc*>(&e)) throw;
         const std::string which = "grid " + std::to_string(number) + " of " + std::to_string(count) +
                                   (descriptor.gridName().empty() ? "" : " ('" + descriptor.gridName() + "')");
-        throw IoError(which + ": " + (in.eof() ? "the file ends inside it" : e.what()));
+        throw IoError(which + ": " +
+                      (in.eof() ? "the file ends inside it; it is truncated or damaged, write it again"
+                                : std::string(e.what()) + "; the file is damaged, or too new for this build"));
     }
 }
+
+/// A damaged size makes OpenVDB ask for more bytes than there are, into a buffer that does not hold them. Such a read
+/// ends here, before anything is copied.
+class BoundedFile : public std::filebuf {
+  public:
+    BoundedFile(const std::string& path, std::uintmax_t size) : size_(static_cast<std::streamoff>(size)) {
+        open(path, std::ios::in | std::ios::binary);
+    }
+
+  protected:
+    std::streamsize xsgetn(char* to, std::streamsize count) override {
+        constexpr std::streamsize kSmall = 1 << 14;  // asking for the position costs more than small reads do
+        if (count > kSmall && count > size_ - seekoff(0, std::ios::cur, std::ios::in)) return 0;
+        return std::filebuf::xsgetn(to, count);
+    }
+
+  private:
+    std::streamoff size_;
+};
 
 [[noreturn]] void failRead(const std::string& path, const std::string& why) {
     throw IoError("cannot read '" + path + "': " + why);
@@ -93,9 +117,12 @@ VdbFile readVdb(const std::string& path) {
     initializeGrids();
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) failRead(path, "it is a folder; give a .vdb file");
+    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+        failRead(path, "it is not a regular file, and a .vdb cannot be read from a stream; save it first");
     errno = 0;
-    std::ifstream in(path, std::ios::binary);
-    if (!in) failRead(path, systemError());
+    BoundedFile buffer(path, std::filesystem::file_size(path, ignored));
+    if (!buffer.is_open()) failRead(path, systemError());
+    std::istream in(&buffer);
     requireVdb(in, path);
     in.exceptions(std::ios::failbit | std::ios::badbit);
     VdbFile file;
@@ -103,12 +130,12 @@ VdbFile readVdb(const std::string& path) {
     try {
         Archive().read(in, file);
     } catch (const IoError& e) {
-        failRead(path, std::string(e.what()) +
-                           "; the file is truncated or damaged, or holds a type of grid this "
-                           "build does not know; write it again");
+        failRead(path, e.what());
     } catch (const std::ios_base::failure&) {
         failRead(path, "the file ends inside its header; it is truncated, write it again");
-    } catch (const openvdb::Exception& e) {
+    } catch (const std::bad_alloc&) {
+        failRead(path, "there is not enough memory for it, or the file is damaged");
+    } catch (const std::exception& e) {
         failRead(path, e.what());
     }
     return file;

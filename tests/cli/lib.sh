@@ -1,0 +1,46 @@
+# Sourced by every test_*.sh. $1 of the script is the binary, $2 a folder to work in; both end up in variables.
+set -u
+raysweep=$1
+work=$2
+data=${RAYSWEEP_DATA:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/../shared/data}
+failures=0
+
+rm -rf "$work" && mkdir -p "$work" && cd "$work" || exit 1
+
+fail() {
+    echo "FAIL: $*"
+    sed 's/^/    /' "$work/.out" "$work/.err"
+    failures=$((failures + 1))
+}
+
+# expect_exit CODE COMMAND...: runs it, keeps stdout in .out and stderr in .err.
+expect_exit() {
+    local expected=$1 code
+    shift
+    "$@" >"$work/.out" 2>"$work/.err"
+    code=$?
+    [ "$code" = "$expected" ] || fail "exit $code instead of $expected: $*"
+}
+
+# expect_match TEXT: the last command's stderr holds TEXT. expect_output TEXT: its stdout does.
+expect_match() { grep -qF -- "$1" "$work/.err" || fail "stderr lacks: $1"; }
+expect_output() { grep -qF -- "$1" "$work/.out" || fail "stdout lacks: $1"; }
+
+# expect_silent: the last command wrote nothing to stderr.
+expect_silent() { [ ! -s "$work/.err" ] || fail "stderr is not empty"; }
+
+# expect_no_leftovers FOLDER: no temporary of a write that failed.
+expect_no_leftovers() {
+    local found
+    found=$(find "$1" -name '.*.part*')
+    [ -z "$found" ] || fail "left behind: $found"
+}
+
+# json FILE EXPRESSION: evaluates EXPRESSION with r = the document; for checks of numbers.
+json() { python3 -c "import json,sys; r = json.load(open(sys.argv[1])); print($2)" "$1"; }
+expect_json() { [ "$(json "$1" "$2")" = True ] || fail "not true of $1: $2"; }
+
+finish() {
+    [ "$failures" = 0 ] && echo "all as expected"
+    exit $((failures > 0))
+}
