@@ -1,24 +1,52 @@
-#include "command.h"
+#include "cli.h"
 
 #include "raysweep/core/error.h"
 
+#include <openvdb/Exceptions.h>
+
+#include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iostream>
+#include <new>
+
+namespace {
+
+using namespace raysweep::apps;
+
+constexpr void (*kSubcommands[])(CLI::App&, int&) = {addGenerate, addRender, addInfo, addCompare};
+
+int fail(const char* what) {
+    std::fprintf(stderr, "raysweep: %s\n", what);
+    return kFailed;
+}
+
+std::string describeUsageError(const CLI::App* app, const CLI::Error& error) {
+    const auto called = app->get_subcommands();
+    const std::string command = app->get_name() + (called.empty() ? "" : " " + called.front()->get_name());
+    return std::string("raysweep: ") + error.what() + "\nRun '" + command + " --help' for its options.\n";
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-    using namespace raysweep::apps;
+    std::signal(SIGXFSZ, SIG_IGN);  // a file size limit should be an error when writing, not a sudden death
     CLI::App app("Raysweep: light transport and reconstruction in sparse volumes", "raysweep");
     app.require_subcommand(1);
-    app.set_version_flag("--version", RAYSWEEP_VERSION);
+    app.set_version_flag("--version", "raysweep " RAYSWEEP_VERSION);
+    app.failure_message(describeUsageError);
+    readConfigFiles(app);
     int exitCode = kDone;
-    addRender(app, exitCode);
+    for (const auto add : kSubcommands) add(app, exitCode);
     try {
         app.parse(argc, argv);
-        return exitCode;
+        if (std::cout.flush()) return exitCode;
+        return fail("cannot write to standard output");
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? kDone : kUsage;
+    } catch (const std::bad_alloc&) {
+        return fail("out of memory; try a smaller volume or a lower resolution");
     } catch (const std::exception& e) {
-        std::fprintf(stderr, "raysweep: %s\n", e.what());
-        return kFailed;
+        return fail(e.what());
     }
 }

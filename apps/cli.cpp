@@ -1,0 +1,155 @@
+#include "cli.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/output_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+/// @return false unless `text` is a finite number and nothing else.
+bool readNumber(const std::string& text, double& value) {
+    const char* begin = text.data();
+    const char* end = begin + text.size();
+    while (begin != end && *begin == ' ') ++begin;
+    while (end != begin && end[-1] == ' ') --end;
+    if (begin != end && *begin == '+') ++begin;
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    return begin != end && error == std::errc() && stop == end && std::isfinite(value);
+}
+
+class Config : public CLI::ConfigTOML {
+  public:
+    explicit Config(const CLI::App& program) : program_(program) {}
+
+    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+        std::vector<CLI::ConfigItem> items = CLI::ConfigTOML::from_config(input);
+        for (CLI::ConfigItem& item : items) {
+            const auto called = program_.get_subcommands();
+            if (item.parents.empty() && !called.empty()) item.parents = {called.front()->get_name()};
+            joinNumbers(item.inputs);
+        }
+        return items;
+    }
+
+  private:
+    // [0, 0, -1, 3] is one value of an option that takes "0,0,-1,3"; ["a", "b"] gives an option twice.
+    static void joinNumbers(std::vector<std::string>& inputs) {
+        double ignored = 0;
+        const auto isNumber = [&](const std::string& text) { return readNumber(text, ignored); };
+        if (inputs.size() < 2 || !std::all_of(inputs.begin(), inputs.end(), isNumber)) return;
+        std::string joined;
+        for (const std::string& input : inputs) joined += (joined.empty() ? "" : ",") + input;
+        inputs = {joined};
+    }
+
+    const CLI::App& program_;
+};
+
+}  // namespace
+
+void addCommonOptions(CLI::App& app, CommonOptions& options) {
+    const std::string group = "Common options";
+    app.add_option("--threads", options.threads, "Number of threads; 0: all cores")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str()->group(group);
+    app.add_option("--report", options.reportFile, "Write a report to this JSON file")
+        ->check([](const std::string& path) { return path == "-" ? "a file name is needed, not '-'" : ""; })
+        ->group(group);
+    app.add_flag("--quiet", options.quiet, "No messages, no progress")->group(group);
+    app.add_flag("--verbose", options.verbose, "More messages")->group(group);
+    // The library reads config files for the program only; handing it the name lets the option stand where users put
+    // it.
+    app.add_option_function<std::string>(
+           "--config", [&app](const std::string& file) { app.get_parent()->get_config_ptr()->add_result(file); },
+           "Read options from this TOML or INI file; those on the command line win")
+        ->trigger_on_parse()
+        ->configurable(false)
+        ->group(group);
+}
+
+void readConfigFiles(CLI::App& program) {
+    program.set_config("--config", "", "Read options from this TOML or INI file");
+    program.config_formatter(std::make_shared<Config>(program));
+    program.allow_config_extras(CLI::config_extras_mode::error);
+}
+
+void usageError(const std::string& option, const std::string& why) {
+    throw CLI::ValidationError(option, why);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    for (std::size_t end = text.find(separator); end != std::string::npos; end = text.find(separator, begin)) {
+        parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    parts.push_back(text.substr(begin));
+    return parts;
+}
+
+std::vector<double> parseNumbers(const std::string& text, const std::string& option, std::size_t least,
+                                 std::size_t most, const std::string& example) {
+    std::vector<double> numbers;
+    for (const std::string& part : split(text, ',')) {
+        double number = 0;
+        if (!readNumber(part, number))
+            usageError(option,
+                       "'" + part + "' in '" + text + "' is not a number; for example " + option + " " + example);
+        numbers.push_back(number);
+    }
+    if (numbers.size() < least || numbers.size() > most) {
+        const std::string wanted = std::to_string(least) + (least == most ? "" : " to " + std::to_string(most)) +
+                                   " number" + (most > 1 ? "s" : "");
+        usageError(option, "'" + text + "' has " + std::to_string(numbers.size()) + " where " + wanted +
+                               " separated by commas are needed; for example " + option + " " + example);
+    }
+    return numbers;
+}
+
+double parseNumber(const std::string& text, const std::string& option, const std::string& example) {
+    return parseNumbers(text, option, 1, 1, example).front();
+}
+
+Vec3 parseVec3(const std::string& text, const std::string& option) {
+    const std::vector<double> v = parseNumbers(text, option, 3, 3, "1,0.5,-2");
+    return Vec3(v[0], v[1], v[2]);
+}
+
+Color parseColor(const std::string& text, const std::string& option) {
+    const std::string example = "0.9 or " + option + " 0.9,0.8,0.7";
+    std::string commas = text;
+    std::replace(commas.begin(), commas.end(), ':', ',');
+    const std::vector<double> c = parseNumbers(commas, option, 1, 3, example);
+    if (c.size() == 2)
+        usageError(option, "'" + text + "': give one number or three; for example " + option + " " + example);
+    if (*std::min_element(c.begin(), c.end()) < 0) usageError(option, "'" + text + "': must not be negative");
+    return c.size() == 1 ? grey(float(c[0])) : Color(float(c[0]), float(c[1]), float(c[2]));
+}
+
+void requireFileOutput(const std::string& path, const std::string& option) {
+    if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
+}
+
+void writeReport(const CommonOptions& options, const nlohmann::json& report) {
+    if (options.reportFile.empty()) return;
+    OutputFile target(options.reportFile);
+    std::ofstream out(target.temporary());
+    out << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    out.close();
+    if (!out) throw IoError("cannot write '" + options.reportFile + "': the disk may be full");
+    target.commit();
+}
+
+}  // namespace raysweep::apps

@@ -1,0 +1,79 @@
+/// What subcommands share: options, parsing of values, messages, progress, Ctrl-C, reports.
+#pragma once
+
+#include "command.h"
+
+#include "raysweep/core/progress.h"
+#include "raysweep/core/types.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+namespace raysweep::apps {
+
+/// Usage errors end the program with kUsage. @throw CLI::ValidationError always. `option` is named as typed ("--sun").
+[[noreturn]] void usageError(const std::string& option, const std::string& why);
+
+/// Numbers separated by commas, `least` to `most` of them. `example` is shown when the text does not fit.
+/// @throw CLI::ValidationError as the other parse functions do.
+std::vector<double> parseNumbers(const std::string& text, const std::string& option, std::size_t least,
+                                 std::size_t most, const std::string& example);
+
+/// One number, finite. `text` must hold nothing else.
+double parseNumber(const std::string& text, const std::string& option, const std::string& example);
+
+/// X,Y,Z
+Vec3 parseVec3(const std::string& text, const std::string& option);
+
+/// Linear RGB, non-negative: one number for grey, or R,G,B or R:G:B.
+Color parseColor(const std::string& text, const std::string& option);
+
+/// Parts of `text` between separators; empty parts are kept.
+std::vector<std::string> split(const std::string& text, char separator);
+
+/// Refuses "-" (standard output), which a file that is written in place of another cannot be, and an empty name.
+/// @throw CLI::ValidationError
+void requireFileOutput(const std::string& path, const std::string& option = "--output");
+
+/// Makes `--config` read TOML or INI: keys are long option names, either under [subcommand] or before any section,
+/// where they belong to the subcommand that was called. A list of numbers is the same as "n,n,n". Unknown keys are
+/// errors. Call it once on the program's app, before parsing.
+void readConfigFiles(CLI::App& program);
+
+/// To stderr with the prefix "raysweep: ", unless --quiet.
+void message(const CommonOptions& options, const std::string& text);
+/// As message, marked as a warning.
+void warning(const CommonOptions& options, const std::string& text);
+/// As message, but only with --verbose.
+void detail(const CommonOptions& options, const std::string& text);
+
+/// Writes a report if the user asked for one; whole or not at all. @throw IoError
+void writeReport(const CommonOptions& options, const nlohmann::json& report);
+
+/// While it lives: Ctrl-C asks the work to stop (a second one kills), and on a terminal a bar with the time left is
+/// drawn on stderr, unless --quiet. Make one around long work and hand `callback()` to it.
+class TerminalProgress {
+  public:
+    explicit TerminalProgress(const CommonOptions& options);
+    ~TerminalProgress();
+    TerminalProgress(const TerminalProgress&) = delete;
+    TerminalProgress& operator=(const TerminalProgress&) = delete;
+
+    /// Valid while this object lives; returns false once Ctrl-C was pressed.
+    ProgressCallback callback();
+
+    /// True once Ctrl-C was pressed: write what there is and exit with kInterrupted.
+    static bool interrupted();
+
+  private:
+    void draw(const std::string& stage, double fraction);
+
+    bool drawing_;
+    std::string stage_;
+    double stageStart_ = 0, lastDrawn_ = -1;
+    Timer timer_;
+};
+
+}  // namespace raysweep::apps

@@ -1,0 +1,109 @@
+/// raysweep compare: how much two volumes or two images differ.
+#include "cli.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/statistics.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+using nlohmann::json;
+
+struct CompareOptions {
+    CommonOptions common;
+    std::string file, reference, grid;
+    double maxRms = -1;  ///< negative: no limit
+    bool json = false;
+};
+
+enum class FileKind { kVolume, kImage };
+
+FileKind kindOf(const std::string& path) {
+    std::string extension = std::filesystem::path(path).extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    return extension == ".vdb" ? FileKind::kVolume : FileKind::kImage;
+}
+
+/// JSON has no infinity: equal inputs have no finite PSNR.
+json finiteOrNull(double value) {
+    return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+json compareVolumes(const CompareOptions& options) {
+    const VdbFile a = readVdb(options.file), b = readVdb(options.reference);
+    const auto gridA = selectGrid(a, options.grid), gridB = selectGrid(b, options.grid);
+    const GridDifference d = compareGrids(*gridA, *gridB);
+    return {{"grid", gridB->getName()},
+            {"voxels", d.voxels},
+            {"rmse", finiteOrNull(d.rmse)},
+            {"relative_rmse", finiteOrNull(d.relativeRmse)},
+            {"psnr", finiteOrNull(d.psnr)},
+            {"max", finiteOrNull(d.max)},
+            {"max_at", {d.maxAt.x(), d.maxAt.y(), d.maxAt.z()}}};
+}
+
+json compareImageFiles(const CompareOptions& options) {
+    throw InvalidArgument("cannot compare '" + options.file + "': only .vdb files are supported by this build");
+}
+
+void print(const json& result) {
+    for (const auto& [key, value] : result.items()) {
+        if (value.is_number_float())
+            std::printf("%-14s %.6g\n", key.c_str(), value.get<double>());
+        else if (value.is_null())
+            std::printf("%-14s %s\n", key.c_str(), key == "psnr" && result["rmse"] == 0 ? "inf" : "not finite");
+        else
+            std::printf("%-14s %s\n", key.c_str(),
+                        value.is_string() ? value.get<std::string>().c_str() : value.dump().c_str());
+    }
+    std::fflush(stdout);
+}
+
+int runCompare(const CompareOptions& options) {
+    const ThreadLimit limit(options.common.threads);
+    const FileKind kind = kindOf(options.file);
+    if (kind != kindOf(options.reference)) usageError("compare", "both files must be volumes, or both images");
+    const json result = kind == FileKind::kVolume ? compareVolumes(options) : compareImageFiles(options);
+    if (options.json)
+        std::cout << result.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
+    else
+        print(result);
+    writeReport(options.common, result);
+    if (options.maxRms < 0) return kDone;
+    const bool within = result["rmse"].is_number() && result["rmse"].get<double>() <= options.maxRms;
+    if (!within) message(options.common, "the RMSE is above --max-rms");
+    return within ? kDone : kFailed;
+}
+
+}  // namespace
+
+void addCompare(CLI::App& app, int& exitCode) {
+    CLI::App* command =
+        app.add_subcommand("compare", "Compare two .vdb files or two images: RMSE, PSNR, largest difference");
+    const auto options = std::make_shared<CompareOptions>();
+    command->add_option("file", options->file, "What to judge")->required()->type_name("A");
+    command->add_option("reference", options->reference, "What it should be")->required()->type_name("B");
+    command->add_option("--grid", options->grid,
+                        "Grid to compare (default: density, else the only one of type float or vec3s); NAME[1] is the "
+                        "second of that name");
+    command->add_option("--max-rms", options->maxRms, "Exit with 1 if the RMSE is above this")
+        ->check(CLI::NonNegativeNumber);
+    command->add_flag("--json", options->json, "Print JSON");
+    addCommonOptions(*command, options->common);
+    command->callback([options, &exitCode] { exitCode = runCompare(*options); });
+}
+
+}  // namespace raysweep::apps

@@ -1,0 +1,142 @@
+/// raysweep info: what a .vdb file holds.
+#include "cli.h"
+
+#include "raysweep/core/parallel.h"
+#include "raysweep/volume/statistics.h"
+#include "raysweep/volume/vdb_io.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+using nlohmann::json;
+
+json toJson(const openvdb::Vec3d& v) {
+    return {v.x(), v.y(), v.z()};
+}
+json toJson(const openvdb::Coord& c) {
+    return {c.x(), c.y(), c.z()};
+}
+
+json boxToJson(const openvdb::CoordBBox& box, const openvdb::math::Transform& transform) {
+    // A voxel reaches half an index unit beyond its coordinates.
+    const openvdb::BBoxd outer(box.min().asVec3d() - 0.5, box.max().asVec3d() + 0.5);
+    const openvdb::BBoxd world = transform.indexToWorld(outer);
+    return {{"index", {toJson(box.min()), toJson(box.max())}}, {"world", {toJson(world.min()), toJson(world.max())}}};
+}
+
+json transformToJson(const openvdb::math::Transform& transform) {
+    json result = {
+        {"type", transform.mapType()}, {"linear", transform.isLinear()}, {"voxel_size", toJson(transform.voxelSize())}};
+    if (!transform.isLinear()) return result;
+    const openvdb::Mat4R m = transform.baseMap()->getAffineMap()->getMat4();
+    for (int row = 0; row < 4; ++row) result["matrix"].push_back({m(row, 0), m(row, 1), m(row, 2), m(row, 3)});
+    return result;
+}
+
+/// Statistics that OpenVDB writes along are left out: they are shown as measured.
+json metadataToJson(const openvdb::MetaMap& metadata) {
+    json result = json::object();
+    for (auto it = metadata.beginMeta(); it != metadata.endMeta(); ++it)
+        if (it->first.rfind("raysweep_", 0) == 0) result[it->first] = it->second->str();
+    return result;
+}
+
+json describe(const openvdb::GridBase& grid) {
+    json result = {{"name", grid.getName()},
+                   {"type", grid.valueType()},
+                   {"grid_type", grid.type()},
+                   {"class", openvdb::GridBase::gridClassToString(grid.getGridClass())},
+                   {"saved_as_half", grid.saveFloatAsHalf()},
+                   {"transform", transformToJson(grid.transform())},
+                   {"active_voxels", grid.activeVoxelCount()},
+                   {"active_tiles", grid.baseTree().activeTileCount()},
+                   {"leaves", grid.baseTree().leafCount()},
+                   {"memory_bytes", grid.memUsage()},
+                   {"metadata", metadataToJson(grid)}};
+    if (!grid.empty() && grid.activeVoxelCount() > 0)
+        result["bounds"] = boxToJson(grid.evalActiveVoxelBoundingBox(), grid.transform());
+    if (hasKnownValues(grid)) {
+        const ValueRange range = valueRange(grid);
+        result["min"] = range.min;
+        result["max"] = range.max;
+        result["not_finite"] = range.notFinite;
+    }
+    return result;
+}
+
+std::string joined(const json& numbers) {
+    std::string text;
+    for (const json& number : numbers) {
+        char buffer[32];
+        std::snprintf(buffer, sizeof buffer, "%.6g", number.get<double>());
+        text += (text.empty() ? "" : ", ") + std::string(buffer);
+    }
+    return numbers.size() == 1 ? text : "(" + text + ")";
+}
+
+void printGrid(const json& grid) {
+    const std::string name = grid["name"];
+    std::cout << (name.empty() ? "(no name)" : name) << ": " << grid["type"].get<std::string>()
+              << (grid["saved_as_half"] ? " saved as half" : "") << ", " << grid["class"].get<std::string>() << "\n"
+              << "  voxel size     " << joined(grid["transform"]["voxel_size"]) << " ("
+              << grid["transform"]["type"].get<std::string>() << ")\n"
+              << "  active voxels  " << grid["active_voxels"] << " in " << grid["leaves"] << " leaves and "
+              << grid["active_tiles"] << " tiles\n";
+    if (grid.contains("bounds")) {
+        const json& b = grid["bounds"];
+        std::cout << "  index box      " << joined(b["index"][0]) << " to " << joined(b["index"][1]) << "\n"
+                  << "  world box      " << joined(b["world"][0]) << " to " << joined(b["world"][1]) << "\n";
+    }
+    if (grid.contains("min") && !grid["min"].empty())
+        std::cout << "  values         " << joined(grid["min"]) << " to " << joined(grid["max"]) << "\n";
+    if (grid.contains("not_finite") && grid["not_finite"] != 0)
+        std::cout << "  not finite     " << grid["not_finite"] << " voxels\n";
+    std::cout << "  memory         " << joined({grid["memory_bytes"].get<double>() / (1 << 20)}) << " MiB\n";
+    for (const auto& [key, value] : grid["metadata"].items())
+        std::cout << "  " << key << " = " << value.get<std::string>() << "\n";
+}
+
+void print(const json& info) {
+    std::cout << info["file"].get<std::string>() << ": " << info["grids"].size()
+              << (info["grids"].size() == 1 ? " grid" : " grids") << "\n";
+    for (const auto& [key, value] : info["metadata"].items())
+        std::cout << key << " = " << value.get<std::string>() << "\n";
+    for (const json& grid : info["grids"]) printGrid(grid);
+}
+
+struct InfoOptions {
+    CommonOptions common;
+    std::string file;
+    bool json = false;
+};
+
+void runInfo(const InfoOptions& options) {
+    const ThreadLimit limit(options.common.threads);
+    const VdbFile file = readVdb(options.file);
+    json info = {{"file", options.file}, {"metadata", metadataToJson(file.metadata)}, {"grids", json::array()}};
+    for (const auto& grid : file.grids) info["grids"].push_back(describe(*grid));
+    if (options.json)
+        std::cout << info.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
+    else
+        print(info);
+    writeReport(options.common, info);
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app, int&) {
+    CLI::App* command = app.add_subcommand("info", "Show the grids of a .vdb file: types, transforms, sizes, values");
+    const auto options = std::make_shared<InfoOptions>();
+    command->add_option("file", options->file, "The .vdb file")->required()->type_name("FILE.vdb");
+    command->add_flag("--json", options->json, "Print JSON");
+    addCommonOptions(*command, options->common);
+    command->callback([options] { runInfo(*options); });
+}
+
+}  // namespace raysweep::apps

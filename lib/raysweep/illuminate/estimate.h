@@ -1,0 +1,31 @@
+/// From deposits to the answer: radiosity, its convergence, and whether the power adds up.
+#pragma once
+
+#include "raysweep/illuminate/state.h"
+
+namespace raysweep {
+
+/// Moves the recent deposits to the total ones.
+/// @return relative RMS difference of radiosity to the estimate at the last fold, which was `sweeps` sweeps ago.
+double foldDeposits(SolverState& state, int sweeps);
+
+/// Unshot power of each wavelength, in powerUnit.
+struct ChannelPower {
+    double value[kMaxChannels] = {0};
+    ChannelPower& operator+=(const ChannelPower& other);
+    double sum() const;
+};
+ChannelPower unshotPower(const SolverState& state);
+
+/// The books after all sweeps, per injection, W.
+PowerBalance balance(const SolverState& state);
+
+/// Radiosity of channel `channel`, W m^-2 sr^-1, of all voxels that have extinction; 0 elsewhere.
+/// @param extra further deposit, in powerUnit; may be empty
+BrickField radiosityField(const SolverState& state, int channel, const BrickField& extra);
+
+/// Deposit of all unshot power of a wavelength, spread in proportion to density times the magnitude of its gradient, or,
+/// where there is no gradient anywhere, to density (paper, section 2.2). In powerUnit.
+BrickField spreadUnshot(const SolverState& state, int channel);
+
+}  // namespace raysweep

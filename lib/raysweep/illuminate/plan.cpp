@@ -1,0 +1,92 @@
+#include "raysweep/core/error.h"
+#include "raysweep/illuminate/illuminate.h"
+
+#include <cmath>
+
+namespace raysweep {
+namespace {
+
+bool isColoured(const openvdb::GridBase::ConstPtr& grid) { return grid && grid->isType<openvdb::Vec3SGrid>(); }
+
+bool isBlack(const Color& c) { return maxComponent(c) <= 0; }
+
+bool isColoured(const Scene& scene) {
+    bool coloured = isColoured(scene.medium.albedoGrid) || isColoured(scene.medium.emission);
+    coloured = coloured || (!scene.medium.albedoGrid && !isGrey(scene.medium.albedo)) || !isGrey(scene.sky.radiance);
+    for (const Sun& sun : scene.suns) coloured = coloured || !isGrey(sun.irradiance);
+    for (const PointLight& point : scene.points) coloured = coloured || !isGrey(point.power);
+    return coloured;
+}
+
+void requireBetween(const char* field, double value, double low, double high, bool openLow = false) {
+    if (std::isfinite(value) && (openLow ? value > low : value >= low) && value <= high) return;
+    throw InvalidArgument(std::string(field) + " is " + std::to_string(value) + "; it must be in " +
+                          (openLow ? "(" : "[") + std::to_string(low) + ", " + std::to_string(high) + "]");
+}
+
+void requireLight(const char* what, const Color& c) {
+    for (int i = 0; i < 3; ++i)
+        if (!std::isfinite(c[i]) || c[i] < 0)
+            throw InvalidArgument(std::string(what) + " is " + std::to_string(c[i]) + "; it must be finite and not negative");
+}
+
+bool isFinite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+void Scene::validate() const {
+    if (!medium.density) throw InvalidArgument("the scene has no density grid");
+    requireBetween("extinction", medium.extinctionScale, 0, 1e30);
+    requireBetween("emission scale", medium.emissionScale, 0, 1e30);
+    for (int c = 0; c < 3; ++c) requireBetween("albedo", double(medium.albedo[c]), 0, 1);
+    for (const Sun& sun : suns) {
+        if (!isFinite(sun.direction) || sun.direction.length() == 0)
+            throw InvalidArgument("a sun's direction has no length; give the direction in which its light travels");
+        requireLight("a sun's irradiance", sun.irradiance);
+    }
+    for (const PointLight& point : points) {
+        if (!isFinite(point.position)) throw InvalidArgument("a point light's position is not finite");
+        requireLight("a point light's power", point.power);
+    }
+    requireLight("the sky's radiance", sky.radiance);
+}
+
+void IlluminateOptions::validate() const {
+    requireBetween("zeta", zeta, 0, 1, true);
+    requireBetween("tolerance", tolerance, 0, 1e30);
+    requireBetween("sweeps", sweeps, 0, 1e9);
+    requireBetween("unshot share", unshotShare, 0, 1, true);
+    requireBetween("batch", batch, 1, 1e6);
+    requireBetween("snapshot interval", snapshotEvery, 0, 1e9);
+}
+
+Plan planIllumination(const Scene& scene, const IlluminateOptions& options) {
+    const Medium& medium = scene.medium;
+    Plan plan;
+    plan.channels = isColoured(scene) ? 3 : 1;
+    plan.reasons.push_back(plan.channels == 1 ? "one wavelength: light, albedo and emission are grey"
+                                              : "three wavelengths: light, albedo or emission is coloured");
+    plan.directPass = !scene.suns.empty() || !scene.points.empty();
+    if (plan.directPass)
+        plan.reasons.push_back("direct pass: " + std::to_string(scene.suns.size()) + " sun(s), " +
+                               std::to_string(scene.points.size()) + " point light(s)");
+    const bool sky = !isBlack(scene.sky.radiance), emits = bool(medium.emission);
+    const bool scatters = medium.albedoGrid || !isBlack(medium.albedo);
+    plan.sweeps = scatters && options.sweeps > 0 && (plan.directPass || sky || emits);
+    plan.unshotGrid = scatters && (plan.directPass || sky || emits);
+    if (!scatters)
+        plan.reasons.push_back("no sweeps, no unshot grid: with albedo 0 nothing is scattered");
+    else if (!plan.unshotGrid)
+        plan.reasons.push_back("no sweeps: there is no light");
+    else if (!plan.sweeps)
+        plan.reasons.push_back("no sweeps: direct light only");
+    if (emits) plan.reasons.push_back("emission: power is added to what is unshot, no direct pass");
+    if (sky && plan.sweeps) plan.reasons.push_back("sky: enters with the rays of each sweep, no direct pass");
+    plan.reasons.push_back(medium.albedoGrid ? "albedo from grid '" + medium.albedoGrid->getName() + "'"
+                                             : "albedo is uniform and not stored");
+    plan.reasons.push_back(options.exchange == MediumExchange::paper ? "exchange: the paper's Algorithm 1 as printed"
+                                                                     : "exchange: medium in every voxel");
+    return plan;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,50 @@
+/// What the solver holds while it works: fields over the bricks, and the books of power.
+#pragma once
+
+#include "raysweep/illuminate/illuminate.h"
+
+namespace raysweep {
+
+/// Powers are kept in units of `powerUnit`, so that floats work for any voxel size and any strength of light.
+struct SolverState {
+    explicit SolverState(BrickLayout layout) : volume(std::move(layout)), escape(volume.layout.worldFromIndex) {}
+
+    SweepVolume volume;
+    Escape escape;
+    MediumExchange exchange = MediumExchange::consistent;
+    int channels = 1;
+    double powerUnit = 1;       ///< W
+
+    BrickField tau;             ///< extinction * mean step length
+    BrickField albedo[kMaxChannels];  ///< one brick if uniform
+    bool uniformAlbedo = true;
+    BrickField source[kMaxChannels];  ///< power to be shot that each injection adds; empty without direct light or emission
+    BrickField unshot[kMaxChannels];
+    BrickField recent[kMaxChannels];  ///< deposit since the last fold
+    BrickField total[kMaxChannels];   ///< deposit up to the last fold
+    BrickField fresh[kMaxChannels];   ///< deposit of this sweep; `linear` only
+    BrickField zero;                  ///< one brick of nothing
+
+    int injections = 0;
+    PowerBalance perInjection;  ///< of direct light and emission, for one injection, in powerUnit
+    PowerBalance swept;         ///< of the rays of all sweeps so far, in powerUnit
+
+    bool hasSource() const { return !source[0].empty(); }
+    BrickView<const float> albedoView(int channel) const {
+        return uniformAlbedo ? sharedView(albedo[channel]) : viewOf(albedo[channel]);
+    }
+};
+
+/// Fields of extinction and albedo, nothing lit yet. @throw InvalidArgument for voxels without meaning.
+SolverState prepareState(const Scene& scene, const IlluminateOptions& options, const Plan& plan);
+
+/// Fields that only sweeps need.
+void allocateSweepFields(SolverState& state, const IlluminateOptions& options);
+
+/// The constants of a sweep along `front`.
+ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, double zeta);
+
+/// Part of the active voxels whose optical depth (extinction * edge of a cube of a voxel's volume) is above 2.
+double thickShare(const SolverState& state);
+
+}  // namespace raysweep

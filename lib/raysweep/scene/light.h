@@ -1,0 +1,29 @@
+/// Light sources.
+#pragma once
+
+#include "raysweep/core/types.h"
+
+#include <functional>
+
+namespace raysweep {
+
+/// Parallel light from infinitely far away.
+struct Sun {
+    Vec3 direction{0, -1, 0};   ///< in which the light travels, world; any length but 0
+    Color irradiance = grey(1); ///< at normal incidence, W/world unit^2
+};
+
+/// A point that shines evenly in all directions, inside or outside the volume.
+struct PointLight {
+    Vec3 position{0};      ///< world units
+    Color power = grey(1); ///< W
+};
+
+/// Light from all around, infinitely far away.
+struct Sky {
+    Color radiance = grey(0);  ///< W m^-2 sr^-1
+    /// Optional factor on `radiance` for light that travels in a (unit, world) direction; none: 1 everywhere.
+    std::function<double(const Vec3& direction)> profile;
+};
+
+}  // namespace raysweep

@@ -1,0 +1,22 @@
+/// What is to be lit, and by what.
+#pragma once
+
+#include "raysweep/scene/light.h"
+#include "raysweep/volume/medium.h"
+
+#include <vector>
+
+namespace raysweep {
+
+struct Scene {
+    Medium medium;
+    std::vector<Sun> suns;
+    std::vector<PointLight> points;
+    Sky sky;
+
+    /// @throw InvalidArgument naming field, value and bound for anything that has no meaning: no density, an extinction
+    ///        that is negative or not finite, an albedo outside [0,1], a sun without direction, negative light, ...
+    void validate() const;
+};
+
+}  // namespace raysweep

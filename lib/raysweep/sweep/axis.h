@@ -1,0 +1,32 @@
+/// Six sweep axes: the major axis of a direction, with its sign, and how its slices lie in a brick.
+#pragma once
+
+#include "raysweep/core/types.h"
+
+#include <cmath>
+
+namespace raysweep {
+
+/// Slices are perpendicular to `major`. In a slice, rows follow each other along `row` (v) and the voxels of a row along
+/// `column` (u). Columns are contiguous in a brick for the x and y axes; for z a brick is transposed as it is visited.
+struct SweepAxis {
+    int major = 0, row = 1, column = 2;
+    int sliceStride = 64, rowStride = 8;  ///< in a brick (after transposing, for z)
+    bool transposed = false;
+};
+
+inline SweepAxis sweepAxis(int major) {
+    switch (major) {
+        case 0: return {0, 1, 2, 64, 8, false};
+        case 1: return {1, 0, 2, 8, 64, false};
+        default: return {2, 0, 1, 8, 64, true};
+    }
+}
+
+/// The axis along which a direction (in index space) is longest.
+inline int majorAxis(const Vec3& direction) {
+    const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
+    return x >= y && x >= z ? 0 : (y >= z ? 1 : 2);
+}
+
+}  // namespace raysweep

@@ -1,0 +1,182 @@
+#include "raysweep/sweep/diverging_front.h"
+
+#include "raysweep/core/parallel.h"
+#include "raysweep/sweep/brick_map.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace raysweep {
+namespace {
+
+constexpr int kLeastCells = 64;  ///< cells across a pyramid, at least: close to the source a voxel fills a wide angle
+
+/// Deposits are added up as integers, whose sum does not depend on the order: threads may come as they like.
+constexpr double kFixedPoint = 0x1.0p60;
+using FixedField = std::vector<std::atomic<std::int64_t>>;
+
+/// One of the six pyramids; distances along its axis are in slices from the source.
+struct Pyramid {
+    SweepAxis axis;
+    int sign;
+    int cells;                   ///< across slopes [-1,1]
+    RayRange columns, rows;      ///< cells that can meet the volume
+    int firstSlice, lastSlice;   ///< major coordinates of the volume's slices, in the order of travel
+
+    double slope(int cell) const { return -1 + 2.0 * cell / cells; }
+};
+
+struct Source {
+    const SweepVolume& volume;
+    Vec3 position;
+    BrickView<const float> tau;
+    double scale;
+    BrickMap map;
+    FixedField& deposit;
+};
+
+/// Slopes under which the volume's extent [low, high] is seen between the distances `near` and `far`.
+RayRange cellsThatSee(double low, double high, double near, double far, int cells) {
+    const double least = std::min(low / near, low / far), most = std::max(high / near, high / far);
+    const auto cell = [&](double slope) { return (std::clamp(slope, -1.0, 1.0) + 1) * 0.5 * cells; };
+    return {std::max(0, int(std::floor(cell(least)))), std::min(cells, int(std::ceil(cell(most))))};
+}
+
+/// @return a pyramid without cells if the volume is not in it
+Pyramid pyramidOf(const BrickLayout& layout, const Vec3& position, int major, int sign) {
+    Pyramid pyramid{sweepAxis(major), sign, 0, {}, {}, 0, 0};
+    const auto extent = [&](int axis) {
+        return std::pair<double, double>(layout.low[axis] - 0.5 - position[axis], layout.high[axis] - 0.5 - position[axis]);
+    };
+    const auto [low, high] = extent(major);
+    const double near = std::max(sign > 0 ? low : -high, 0.0), far = sign > 0 ? high : -low;
+    if (far <= 0) return pyramid;
+    pyramid.firstSlice = sign > 0 ? std::max(layout.low[major], int(std::floor(position[major] + 0.5)))
+                                  : std::min(layout.high[major] - 1, int(std::ceil(position[major] - 0.5)));
+    pyramid.lastSlice = sign > 0 ? layout.high[major] - 1 : layout.low[major];
+    pyramid.cells = std::max(kLeastCells, int(std::ceil(2 * far)));
+    const auto see = [&](int axis) {
+        const auto [a, b] = extent(axis);
+        return cellsThatSee(a, b, std::max(near, 1e-9 * far), far, pyramid.cells);
+    };
+    pyramid.columns = see(pyramid.axis.column);
+    pyramid.rows = see(pyramid.axis.row);
+    return pyramid;
+}
+
+/// Solid angle of a spherical triangle (van Oosterom and Strackee 1983).
+double solidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const double la = a.length(), lb = b.length(), lc = c.length();
+    const double volume = std::abs(a.dot((b - a).cross(c - a)));
+    return 2 * std::atan2(volume, la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+}
+
+/// The up to two voxels that the stretch [begin, begin + width], width <= 1, overlaps.
+struct Overlap1 {
+    int voxel;
+    double weight[2];
+
+    Overlap1(double begin, double width) : voxel(int(std::floor(begin + 0.5))) {
+        const double border = voxel + 0.5;
+        weight[0] = width > 0 ? std::clamp((border - begin) / width, 0.0, 1.0) : 1.0;
+        weight[1] = 1 - weight[0];
+    }
+};
+
+/// Steps one ray through the volume. @return the power left
+double marchRay(const Source& source, const Pyramid& pyramid, int column, int row, double power, double lengthPerSlice) {
+    const SweepAxis& axis = pyramid.axis;
+    const double width = 2.0 / pyramid.cells;
+    const int slices = std::abs(pyramid.lastSlice - pyramid.firstSlice) + 1;
+    Index3 lastCell(INT32_MIN);
+    std::uint32_t brick = kNoBrick;
+    for (int i = 0; i < slices && power > 0; ++i) {
+        const int slice = pyramid.firstSlice + pyramid.sign * i;
+        const double middle = pyramid.sign * (slice - source.position[axis.major]);
+        const double enter = std::max(0.0, middle - 0.5), leave = middle + 0.5, z = 0.5 * (enter + leave);
+        const double length = (leave - enter) * lengthPerSlice * source.scale;
+        const Overlap1 u(source.position[axis.column] + pyramid.slope(column) * z, width * z);
+        const Overlap1 v(source.position[axis.row] + pyramid.slope(row) * z, width * z);
+        double lost = 0;
+        for (int dv = 0; dv < 2; ++dv)
+            for (int du = 0; du < 2; ++du) {
+                const double weight = u.weight[du] * v.weight[dv];
+                if (weight == 0) continue;
+                Index3 voxel;
+                voxel[axis.major] = slice;
+                voxel[axis.column] = u.voxel + du;
+                voxel[axis.row] = v.voxel + dv;
+                const Index3 cell(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
+                if (cell != lastCell) brick = source.map.find(voxel);
+                lastCell = cell;
+                if (brick == kNoBrick) continue;
+                const std::size_t at = offsetInBrick(voxel);
+                const float tau = source.tau.brick(brick)[at];
+                if (tau == 0) continue;
+                const auto in = std::int64_t(weight * power * -std::expm1(-double(tau) * length) * kFixedPoint);
+                source.deposit[brick * std::size_t(kBrickVoxels) + at].fetch_add(in, std::memory_order_relaxed);
+                lost += double(in) / kFixedPoint;
+            }
+        power = std::max(0.0, power - lost);
+    }
+    return power;
+}
+
+/// World vector from the source to the cell corner of slopes (a, b), one slice away.
+Vec3 towards(const Pyramid& pyramid, const Matrix3& worldFromIndex, double a, double b) {
+    Vec3 inIndex;
+    inIndex[pyramid.axis.major] = pyramid.sign;
+    inIndex[pyramid.axis.column] = a;
+    inIndex[pyramid.axis.row] = b;
+    return inIndex * worldFromIndex;
+}
+
+struct RowPower {
+    double sent = 0, left = 0;
+    RowPower& operator+=(const RowPower& other) {
+        sent += other.sent;
+        left += other.left;
+        return *this;
+    }
+};
+
+RowPower marchRow(const Source& source, const Pyramid& pyramid, int row) {
+    const Matrix3& world = source.volume.layout.worldFromIndex;
+    RowPower sum;
+    const double b0 = pyramid.slope(row), b1 = pyramid.slope(row + 1);
+    for (int column = pyramid.columns.begin; column < pyramid.columns.end; ++column) {
+        const double a0 = pyramid.slope(column), a1 = pyramid.slope(column + 1);
+        const Vec3 c00 = towards(pyramid, world, a0, b0), c10 = towards(pyramid, world, a1, b0);
+        const Vec3 c01 = towards(pyramid, world, a0, b1), c11 = towards(pyramid, world, a1, b1);
+        const double power = (solidAngle(c00, c10, c11) + solidAngle(c00, c11, c01)) / (4 * kPi);
+        sum.sent += power;
+        sum.left += marchRay(source, pyramid, column, row, power, (0.25 * (c00 + c10 + c01 + c11)).length());
+    }
+    return sum;
+}
+
+}  // namespace
+
+double depositFromPoint(const SweepVolume& volume, const Vec3& position, BrickView<const float> tau, double scale,
+                        BrickField& deposit) {
+    const std::size_t bricks = volume.layout.brickCount();
+    FixedField fixed(bricks * kBrickVoxels);
+    const Source source{volume, position, tau, scale, BrickMap(volume.layout), fixed};
+    RowPower total;
+    for (int major = 0; major < 3; ++major)
+        for (const int sign : {1, -1}) {
+            const Pyramid pyramid = pyramidOf(volume.layout, position, major, sign);
+            if (pyramid.rows.empty() || pyramid.columns.empty()) continue;
+            total += orderedSum<RowPower>(
+                std::size_t(pyramid.rows.size()),
+                [&](std::size_t i) { return marchRow(source, pyramid, pyramid.rows.begin + int(i)); }, 1);
+        }
+    parallelFor(bricks, [&](std::size_t b) {
+        for (std::size_t i = 0; i < kBrickVoxels; ++i)
+            deposit.brick(b)[i] = float(double(fixed[b * kBrickVoxels + i]) / kFixedPoint);
+    });
+    return (1 - total.sent) + total.left;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,83 @@
+/// What rays and voxels exchange (Dachille, Mueller and Kaufman 2000, Algorithm 1, as corrected in docs/illumination.md).
+///
+/// Along a direction with step length `len`, a ray of power e meets a voxel of extinction s and unshot power U:
+///
+///     alpha = 1 - exp(-s len)           opacity of the step
+///     in    = e alpha                   deposit
+///     out   = U min(1, zeta (alpha / (s len)) / p)
+///     D += in;   U += g in - out;   e += out - in
+///
+/// with p the voxel's escape probability and g its effective albedo (escape.h). Nothing here can become negative, and
+/// what one side gains the other loses.
+#pragma once
+
+#include "raysweep/sweep/escape.h"
+#include "raysweep/sweep/ray_tiles.h"
+#include "raysweep/volume/bricks.h"
+
+namespace raysweep {
+
+constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
+
+/// How a voxel of a medium scatters.
+enum class MediumExchange {
+    consistent,  ///< the rule above
+    paper        ///< Algorithm 1 as printed: opacity of one voxel edge whatever the direction, albedo for g, out = zeta U
+};
+
+/// One float per voxel of every brick, or one brick of values that all share (`stride` 0).
+template <class T>
+struct BrickView {
+    T* data = nullptr;
+    std::size_t stride = kBrickVoxels;
+    T* brick(std::size_t b) const { return data + b * stride; }
+    operator BrickView<const T>() const { return {data, stride}; }
+};
+
+inline BrickView<float> viewOf(BrickField& field) { return {field.brick(0), kBrickVoxels}; }
+inline BrickView<const float> viewOf(const BrickField& field) { return {field.brick(0), kBrickVoxels}; }
+/// The same brick for every one.
+inline BrickView<const float> sharedView(const BrickField& field) { return {field.brick(0), 0}; }
+
+/// The volume as the exchange sees it.
+struct ExchangeFields {
+    int channels = 1;
+    BrickView<const float> tau;                   ///< extinction * mean step length
+    BrickView<const float> albedo[kMaxChannels];  ///< single-scattering albedo
+    BrickView<const float> source[kMaxChannels];  ///< power added to `unshot` in each sweep, W
+    BrickView<float> unshot[kMaxChannels];        ///< U, W
+    BrickView<float> deposit[kMaxChannels];       ///< D, W
+    BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone, W; `linear` only
+};
+
+/// What is constant during one sweep.
+struct ExchangeStep {
+    MediumExchange model = MediumExchange::consistent;
+    EscapeFit escape;
+    float stepScale = 1;                   ///< step length / mean step length
+    float zeta = 0.5f;                     ///< part of the unshot power that is shot, (0,1]
+    float entering[kMaxChannels] = {0};    ///< power of a ray when it enters the volume, W
+};
+
+/// Ray powers summed over a tile's rays at both ends, W.
+struct TileSums {
+    double rays = 0;                       ///< number of rays that entered
+    double escaped[kMaxChannels] = {0};
+};
+
+/// Steps the rays of `tile` through its bricks; every voxel meets one ray (`nearest`).
+void exchangeNearest(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+                     TileSums& sums);
+
+/// The same where a ray meets the 2x2 voxels around it with bilinear weights. U is only read, and the deposit goes to
+/// `fresh`; when all tiles are done, `settleBrick` brings both up to date.
+void exchangeLinear(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+                    TileSums& sums);
+
+/// Ends a `linear` sweep for brick `b`: D += fresh, U += g fresh - out + source, fresh = 0.
+void settleBrick(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b);
+
+/// g of every voxel of a brick as the exchange computes it. `albedo`, `tau` and `g` have 512 values.
+void effectiveAlbedos(MediumExchange model, const EscapeFit& escape, const float* tau, const float* albedo, float* g);
+
+}  // namespace raysweep

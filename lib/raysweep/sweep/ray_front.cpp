@@ -1,0 +1,82 @@
+#include "raysweep/sweep/ray_front.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace raysweep {
+namespace {
+
+struct StepRange {
+    int first, last;  ///< inclusive; empty if last < first
+};
+
+/// Slices in which the ray at lattice coordinate `ray` is within the volume laterally.
+StepRange stepsInside(const RayFront& front, const Lateral& lateral, int ray) {
+    const auto inside = [&](int k) {
+        const int voxel = ray + lateral.shift(k);
+        return voxel >= lateral.low - front.reach && voxel < lateral.high;
+    };
+    const int last = front.slices - 1;
+    if (lateral.periodic) return {0, last};
+    if (lateral.slope == 0) return inside(0) ? StepRange{0, last} : StepRange{0, -1};
+    // Bounds from the slope, a step too wide on either side, then moved to the exact ones.
+    const double a = (lateral.low - front.reach - ray - lateral.offset) / lateral.slope;
+    const double b = (lateral.high - ray - lateral.offset) / lateral.slope;
+    const auto clampStep = [&](double k) { return int(std::clamp(k, -1.0, double(last) + 1)); };
+    int first = std::max(0, clampStep(std::floor(std::min(a, b)) - 1));
+    int end = std::min(last, clampStep(std::ceil(std::max(a, b)) + 1));
+    while (first <= end && !inside(first)) ++first;
+    while (end >= first && !inside(end)) --end;
+    return {first, end};
+}
+
+}  // namespace
+
+RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, double offsetColumn,
+                       double offsetRow, const Periodic& periodic) {
+    const Vec3 inIndex = direction.normalized() * layout.worldFromIndex.inverse();
+    RayFront front;
+    front.axis = sweepAxis(majorAxis(inIndex));
+    const int major = front.axis.major;
+    const double perSlice = std::abs(inIndex[major]);
+    front.ascending = inIndex[major] > 0;
+    front.firstSlice = front.ascending ? layout.low[major] : layout.high[major] - 1;
+    front.slices = layout.high[major] - layout.low[major];
+    const auto lateral = [&](int axis, double offset) {
+        return Lateral{inIndex[axis] / perSlice, offset, layout.low[axis], layout.high[axis], periodic[std::size_t(axis)]};
+    };
+    front.column = lateral(front.axis.column, offsetColumn);
+    front.row = lateral(front.axis.row, offsetRow);
+    front.stepLength = 1 / perSlice;
+    front.crossSection = layout.voxelVolume * perSlice;
+    front.reach = reach;
+    return front;
+}
+
+RayRange rayExtent(const RayFront& front, const Lateral& lateral) {
+    if (lateral.periodic) return {lateral.low, lateral.high};
+    const auto [least, most] = std::minmax({lateral.shift(0), lateral.shift(front.slices - 1)});
+    return {lateral.low - front.reach - most, lateral.high - least};
+}
+
+RayRange raysThatEnter(const RayFront& front, int row) {
+    const StepRange steps = stepsInside(front, front.row, row);
+    if (steps.last < steps.first) return {};
+    if (front.column.periodic) return {front.column.low, front.column.high};
+    const auto [least, most] = std::minmax({front.column.shift(steps.first), front.column.shift(steps.last)});
+    return {front.column.low - front.reach - most, front.column.high - least};
+}
+
+double countRaysThatEnter(const RayFront& front) {
+    const double columns = front.column.size() + (front.column.periodic ? 0 : front.reach);
+    const double rows = front.row.size() + (front.row.periodic ? 0 : front.reach);
+    double count = columns * rows;
+    for (int k = 1; k < front.slices; ++k) {
+        const int du = front.column.periodic ? 0 : std::abs(front.column.shift(k) - front.column.shift(k - 1));
+        const int dv = front.row.periodic ? 0 : std::abs(front.row.shift(k) - front.row.shift(k - 1));
+        count += du * rows + dv * columns - du * dv;
+    }
+    return count;
+}
+
+}  // namespace raysweep

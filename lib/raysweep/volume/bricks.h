@@ -1,0 +1,66 @@
+/// The solver's own storage: the 8x8x8 blocks of voxels ("bricks") that hold active voxels, in flat arrays laid out for
+/// the sweep. Memory is proportional to the bricks, whatever the bounding box.
+#pragma once
+
+#include "raysweep/core/types.h"
+#include "raysweep/volume/grids.h"
+
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <vector>
+
+namespace raysweep {
+
+constexpr int kBrickEdge = 8;      ///< voxels along a brick's edge, as in an OpenVDB leaf
+constexpr int kBrickVoxels = 512;  ///< voxels in a brick; offset (x<<6)|(y<<3)|z, as in an OpenVDB leaf
+
+/// Where the bricks are.
+struct BrickLayout {
+    std::vector<Index3> origins;  ///< low corner of each brick, voxel coordinates, ascending in (x,y,z)
+    Index3 low{0}, high{0};       ///< bounding box of the bricks, voxel coordinates, high exclusive
+    Matrix3 worldFromIndex;       ///< linear part of the grid's transform: world = index * worldFromIndex
+    double voxelVolume = 1;       ///< world unit^3
+    std::size_t activeVoxels = 0;
+
+    std::size_t brickCount() const { return origins.size(); }
+};
+
+/// One float for every voxel of every brick, zero at first; bricks follow each other in the layout's order.
+class BrickField {
+  public:
+    BrickField() = default;
+    explicit BrickField(std::size_t brickCount);
+
+    float* brick(std::size_t b) { return data_.get() + b * kBrickVoxels; }
+    const float* brick(std::size_t b) const { return data_.get() + b * kBrickVoxels; }
+    std::size_t brickCount() const { return brickCount_; }
+    bool empty() const { return brickCount_ == 0; }
+
+  private:
+    struct Free {
+        void operator()(float* p) const { std::free(p); }
+    };
+    std::unique_ptr<float[], Free> data_;
+    std::size_t brickCount_ = 0;
+};
+
+/// Bricks that cover every active voxel and active tile of `grids`, which must share one linear transform.
+/// @param bytesPerVoxel what the caller will allocate per voxel of a brick
+/// @throw InvalidArgument for a transform that is not linear or is singular, grids whose transforms differ, and for a
+///        layout that would need more memory than the machine has.
+BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, std::size_t bytesPerVoxel);
+
+/// Copies `grid` times `scale` to a field; inactive voxels become 0.
+BrickField gatherField(const BrickLayout& layout, const openvdb::FloatGrid& grid, double scale);
+
+/// As above for component `channel` (0..2) of a float or vec3s grid (a float grid has the same value in all).
+BrickField gatherChannel(const BrickLayout& layout, const openvdb::GridBase& grid, int channel, double scale);
+
+/// Bits of a brick's voxels, in offset order.
+using BrickMask = openvdb::util::NodeMask<3>;
+
+/// The active voxels of `topology` in brick `b`; tiles count as their voxels.
+BrickMask activeMask(const BrickLayout& layout, const openvdb::FloatGrid& topology, std::size_t b);
+
+}  // namespace raysweep

@@ -1,0 +1,39 @@
+/// What a grid's values range over, and how much two grids differ.
+#pragma once
+
+#include "raysweep/volume/grids.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace raysweep {
+
+/// Range of the active values, per channel; NaN and infinities are counted, not ranged.
+struct ValueRange {
+    std::vector<float> min, max;  ///< one entry per channel; empty if there is no finite active value
+    std::uint64_t notFinite = 0;  ///< active voxels with a NaN or infinity in any channel
+};
+
+/// True for the types that valueRange and compareGrids know: FloatGrid and Vec3SGrid.
+bool hasKnownValues(const openvdb::GridBase& grid);
+
+/// @throw InvalidArgument if the grid is neither a FloatGrid nor a Vec3SGrid.
+ValueRange valueRange(const openvdb::GridBase& grid);
+
+/// Differences of two grids over the union of their active voxels; where only one is active the other counts with
+/// the value it has there. Channels are averaged.
+struct GridDifference {
+    std::uint64_t voxels = 0;  ///< in the union
+    double rmse = 0;           ///< root of the mean squared difference; NaN if any value is not finite
+    double relativeRmse = 0;   ///< rmse over the root mean square of the second grid; infinite if that is 0
+    double psnr = 0;           ///< 20 log10(largest |value| of the second grid / rmse), dB; infinite when equal
+    double max = 0;            ///< largest absolute difference
+    openvdb::Coord maxAt;      ///< voxel where it is, the first in the tree's order
+};
+
+/// Compares by voxel index. @param reference what relativeRmse and psnr refer to.
+/// @throw InvalidArgument if types differ or are neither FloatGrid nor Vec3SGrid, if the transforms differ (voxels
+/// would not coincide), or if both grids are empty.
+GridDifference compareGrids(const openvdb::GridBase& grid, const openvdb::GridBase& reference);
+
+}  // namespace raysweep

@@ -1,0 +1,28 @@
+/// OpenVDB files: read whole or refused, written whole or not at all.
+#pragma once
+
+#include "raysweep/volume/grids.h"
+
+#include <string>
+
+namespace raysweep {
+
+/// What a .vdb file holds.
+struct VdbFile {
+    std::string path;           ///< where it was read from, for messages
+    openvdb::GridPtrVec grids;  ///< in the order of the file
+    openvdb::MetaMap metadata;  ///< of the file, not of a grid
+};
+
+/// Reads a whole .vdb file; nothing is left to be loaded later, so damage shows here and not in the middle of the work.
+/// @throw IoError if the file is missing, a folder, not OpenVDB, too new, truncated or damaged.
+VdbFile readVdb(const std::string& path);
+
+/// Writes `grids` and file-level `metadata`, compressed as OpenVDB does by default. Values, names, metadata and
+/// save-as-half flags are kept as they are. The file appears whole or not at all: on failure whatever stood under
+/// `path` is unharmed.
+/// @throw IoError if the folder does not exist or is read-only, `path` is a folder, or the disk is full.
+void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids,
+              const openvdb::MetaMap& metadata = openvdb::MetaMap());
+
+}  // namespace raysweep

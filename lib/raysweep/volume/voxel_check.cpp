@@ -1,0 +1,187 @@
+#include "raysweep/volume/voxel_check.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+namespace raysweep {
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using openvdb::Index64;
+using openvdb::Vec3s;
+using openvdb::Vec3SGrid;
+
+/// True if `good` holds for the value, or for each channel of a vector.
+template <class Good>
+bool holds(const Good& good, float v) {
+    return good(v);
+}
+template <class Good>
+bool holds(const Good& good, const Vec3s& v) {
+    return good(v[0]) && good(v[1]) && good(v[2]);
+}
+
+/// `change` applied to the value, or to each channel of a vector.
+template <class Change>
+float changed(const Change& change, float v) {
+    return change(v);
+}
+template <class Change>
+Vec3s changed(const Change& change, const Vec3s& v) {
+    return Vec3s(change(v[0]), change(v[1]), change(v[2]));
+}
+
+// Written so that NaN fails.
+bool isUsable(float v) {
+    return v >= 0.0f && std::isfinite(v);
+}
+bool isFraction(float v) {
+    return v >= 0.0f && v <= 1.0f;
+}
+bool fitsHalf(float v) {
+    return !(std::abs(v) > kLargestHalf);
+}
+
+float zeroUnlessUsable(float v) {
+    return isUsable(v) ? v : 0.0f;
+}
+float clampedToHalf(float v) {
+    return fitsHalf(v) ? v : std::copysign(kLargestHalf, v);
+}
+
+template <class GridT>
+std::vector<const typename GridT::TreeType::LeafNodeType*> leavesOf(const GridT& grid) {
+    std::vector<const typename GridT::TreeType::LeafNodeType*> leaves;
+    leaves.reserve(grid.tree().leafCount());
+    grid.tree().getNodes(leaves);
+    return leaves;
+}
+
+template <class Value>
+struct Bad {
+    Index64 count = 0;
+    Coord first;
+    Value value{};
+    void add(Index64 voxels, const Coord& at, const Value& v) {
+        if (count == 0) first = at, value = v;
+        count += voxels;
+    }
+    Bad& operator+=(const Bad& other) {
+        if (other.count) add(other.count, other.first, other.value);
+        return *this;
+    }
+};
+
+template <class GridT, class Good>
+Bad<typename GridT::ValueType> findBad(const GridT& grid, const Good& good) {
+    using Value = typename GridT::ValueType;
+    const auto leaves = leavesOf(grid);
+    auto bad = orderedSum<Bad<Value>>(leaves.size(), [&](std::size_t i) {
+        Bad<Value> inLeaf;
+        for (auto it = leaves[i]->cbeginValueOn(); it; ++it)
+            if (!holds(good, *it)) inLeaf.add(1, it.getCoord(), *it);
+        return inLeaf;
+    });
+    auto tile = grid.cbeginValueOn();
+    tile.setMaxDepth(tile.getLeafDepth() - 1);
+    for (; tile; ++tile)
+        if (!holds(good, *tile)) bad.add(tile.getVoxelCount(), tile.getCoord(), *tile);
+    return bad;
+}
+
+template <class GridT, class Good>
+void requireAll(const GridT& grid, const Good& good, const std::string& what, const std::string& allowed,
+                const std::string& remedy) {
+    const auto bad = findBad(grid, good);
+    if (bad.count == 0) return;
+    const openvdb::Vec3d world = grid.indexToWorld(bad.first);
+    std::ostringstream text;
+    text << what << ": " << bad.count << " active voxel" << (bad.count > 1 ? "s are " : " is ") << allowed
+         << ", the first at index (" << bad.first.x() << ", " << bad.first.y() << ", " << bad.first.z() << "), world ("
+         << world.x() << ", " << world.y() << ", " << world.z() << "), with the value " << bad.value << "; " << remedy;
+    throw InvalidArgument(text.str());
+}
+
+/// Applies `change` to the active values for which `good` does not hold. @return the number of voxels changed.
+template <class GridT, class Good, class Change>
+std::size_t changeBad(GridT& grid, const Good& good, const Change& change) {
+    std::vector<typename GridT::TreeType::LeafNodeType*> leaves;
+    grid.tree().getNodes(leaves);
+    std::size_t count = orderedSum<std::size_t>(leaves.size(), [&](std::size_t i) {
+        std::size_t inLeaf = 0;
+        for (auto it = leaves[i]->beginValueOn(); it; ++it) {
+            if (holds(good, *it)) continue;
+            it.setValue(changed(change, *it));
+            ++inLeaf;
+        }
+        return inLeaf;
+    });
+    auto tile = grid.beginValueOn();
+    tile.setMaxDepth(tile.getLeafDepth() - 1);
+    for (; tile; ++tile) {
+        if (holds(good, *tile)) continue;
+        count += tile.getVoxelCount();
+        tile.setValue(changed(change, *tile));
+    }
+    return count;
+}
+
+template <class GridT>
+void requireUsable(const GridT& grid, const std::string& what) {
+    requireAll(grid, isUsable, what, "negative, infinite or not a number",
+               "repair the file, or use --repair to set such voxels to 0");
+}
+
+template <class GridT>
+void requireFractions(const GridT& grid, const std::string& what) {
+    requireAll(grid, isFraction, what, "outside [0,1]", "an albedo is a fraction: scale or clamp the grid first");
+}
+
+template <class GridT>
+std::size_t clampGridForHalf(GridT& grid) {
+    return grid.saveFloatAsHalf() ? changeBad(grid, fitsHalf, clampedToHalf) : 0;
+}
+
+}  // namespace
+
+void checkVoxels(const FloatGrid& grid, const std::string& what) {
+    requireUsable(grid, what);
+}
+void checkVoxels(const Vec3SGrid& grid, const std::string& what) {
+    requireUsable(grid, what);
+}
+
+std::size_t repairVoxels(FloatGrid& grid) {
+    return changeBad(grid, isUsable, zeroUnlessUsable);
+}
+std::size_t repairVoxels(Vec3SGrid& grid) {
+    return changeBad(grid, isUsable, zeroUnlessUsable);
+}
+
+void checkAlbedo(const openvdb::GridBase& grid, const std::string& what) {
+    if (const auto* scalar = dynamic_cast<const FloatGrid*>(&grid)) return requireFractions(*scalar, what);
+    if (const auto* color = dynamic_cast<const Vec3SGrid*>(&grid)) return requireFractions(*color, what);
+    throw InvalidArgument(what + ": the grid has the type " + grid.valueType() + ", but float or vec3s is needed");
+}
+
+std::size_t clampForHalf(FloatGrid& grid) {
+    return clampGridForHalf(grid);
+}
+std::size_t clampForHalf(Vec3SGrid& grid) {
+    return clampGridForHalf(grid);
+}
+
+void voxelizeTiles(FloatGrid& grid) {
+    grid.tree().voxelizeActiveTiles();
+}
+void voxelizeTiles(Vec3SGrid& grid) {
+    grid.tree().voxelizeActiveTiles();
+}
+
+}  // namespace raysweep
