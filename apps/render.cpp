@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -184,11 +185,24 @@ nlohmann::json describe(const Arguments& a, const RenderInput& input, const Came
     return json;
 }
 
-int run(Arguments& a) {
-    const ThreadLimit limit(a.common.threads);
+/// Everything that can be said to be wrong before a file is read.
+Camera requireArguments(Arguments& a) {
     a.options.background = parseColor(a.background, "--background");
     const Camera lens = lensFrom(a);
+    try {
+        a.options.validate();
+        framed(lens, Box3(Vec3(-1), Vec3(1)));
+    } catch (const InvalidArgument& e) {
+        usageError("render", e.what());
+    }
+    if (!std::isfinite(a.exposure)) usageError("--exposure", "must be finite");
     requireOutputs(a);
+    return lens;
+}
+
+int run(Arguments& a) {
+    const ThreadLimit limit(a.common.threads);
+    const Camera lens = requireArguments(a);
     const RenderInput input = selectInput(a, readVdb(a.input));
     const Camera camera = place(lens, a, *input.density);
 

@@ -108,6 +108,7 @@ class RayMarcher {
     /// Sets up the ray in index space, t being the length there, so that one step is the same number of voxels in
     /// every direction. @return false if the ray misses the volume.
     bool start(const Ray& ray) {
+        if (scene_.bounds.empty()) return false;
         const Vec3d origin = toVdb(ray.origin);
         Vec3d direction = toVdb(ray.direction);
         worldPerIndex_ = 1 / scene_.densityFromWorld.transform3x3(direction).length();
