@@ -62,10 +62,14 @@ double mean(const double (&values)[kMaxChannels], int channels) {
 
 const char* nameOf(Termination termination) {
     switch (termination) {
-        case Termination::converged: return "converged";
-        case Termination::sweepLimit: return "sweep limit";
-        case Termination::interrupted: return "interrupted";
-        case Termination::direct: return "direct light only";
+        case Termination::converged:
+            return "converged";
+        case Termination::sweepLimit:
+            return "sweep limit";
+        case Termination::interrupted:
+            return "interrupted";
+        case Termination::direct:
+            return "direct light only";
     }
     return "";
 }
@@ -77,7 +81,8 @@ nlohmann::json describe(const LightArguments& a, const Illumination& lit, double
         {"voxels_active", lit.activeVoxels},
         {"sweeps", lit.sweeps},
         {"sweeps_finishing", lit.finishingSweeps},
-        {"seconds", readSeconds + lit.seconds.prepare + lit.seconds.direct + sweeping + lit.seconds.output + writeSeconds},
+        {"seconds",
+         readSeconds + lit.seconds.prepare + lit.seconds.direct + sweeping + lit.seconds.output + writeSeconds},
         {"seconds_per_sweep", sweeps > 0 ? sweeping / sweeps : 0.0},
         {"power_injected", mean(lit.power.injected, channels)},
         {"power_absorbed", mean(lit.power.absorbed, channels)},
@@ -105,8 +110,9 @@ void explain(const Plan& plan) {
 
 void comment(const LightArguments& a, const Illumination& lit) {
     if (lit.thickShare > 0)
-        warning(a.common, std::to_string(100 * lit.thickShare).substr(0, 4) +
-                              " % of the voxels have an optical depth above 2, where the grid is too coarse to be accurate");
+        warning(a.common,
+                std::to_string(100 * lit.thickShare).substr(0, 4) +
+                    " % of the voxels have an optical depth above 2, where the grid is too coarse to be accurate");
     if (lit.invisibleEmitters > 0)
         warning(a.common, std::to_string(lit.invisibleEmitters) +
                               " voxels emit but have no extinction: they light others but cannot be seen themselves");

@@ -22,13 +22,15 @@ const std::map<std::string, double> kQualities = {{"draft", 0.03}, {"preview", 0
 template <class Value>
 void addChoice(CLI::App& app, const std::string& name, Value& value, const std::map<std::string, Value>& choices,
                const std::string& shownDefault, const std::string& help) {
-    app.add_option_function<std::string>(name, [&value, &choices](const std::string& text) { value = choices.at(text); }, help)
+    app.add_option_function<std::string>(
+           name, [&value, &choices](const std::string& text) { value = choices.at(text); }, help)
         ->check(CLI::IsMember(choices))
         ->default_str(shownDefault);
 }
 
 void addSceneOptions(CLI::App& app, LightArguments& a) {
-    app.add_option("--density", a.density, "Grid that is lit; NAME[1] is the second of that name (default: density, else the only float grid)")
+    app.add_option("--density", a.density,
+                   "Grid that is lit; NAME[1] is the second of that name (default: density, else the only float grid)")
         ->type_name("NAME");
     app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit")->capture_default_str();
     app.add_flag("--from-level-set", a.fromLevelSet, "The density grid is a level set: light its inside as fog");
@@ -38,7 +40,9 @@ void addSceneOptions(CLI::App& app, LightArguments& a) {
         ->type_name("A");
     app.add_option("--emission", a.emission, "Emitted power density, W/unit^3, isotropic")->type_name("grid:NAME");
     app.add_option("--emission-scale", a.emissionScale, "Factor on --emission")->capture_default_str();
-    app.add_option("--sun", a.suns, "Parallel light travelling along DX,DY,DZ; E: irradiance at normal incidence, W/unit^2, or E:R:G:B; repeatable")
+    app.add_option("--sun", a.suns,
+                   "Parallel light travelling along DX,DY,DZ; E: irradiance at normal incidence, W/unit^2, or E:R:G:B; "
+                   "repeatable")
         ->allow_extra_args(false)
         ->type_name("DX,DY,DZ,E");
     app.add_option("--point", a.points, "Point light anywhere, power P, W, or P:R:G:B; repeatable")
@@ -50,16 +54,20 @@ void addSceneOptions(CLI::App& app, LightArguments& a) {
 
 void addSolverOptions(CLI::App& app, LightArguments& a) {
     IlluminateOptions& o = a.options;
-    app.add_option("--exchange", a.exchange, "What voxels and rays exchange; auto: medium; paper: Algorithm 1 as printed")
+    app.add_option("--exchange", a.exchange,
+                   "What voxels and rays exchange; auto: medium; paper: Algorithm 1 as printed")
         ->check(CLI::IsMember({"auto", "medium", "paper"}))
         ->capture_default_str();
-    app.add_option("--tolerance", a.tolerance, "Stop when the RMS difference of radiosity 20 sweeps apart, relative to its RMS, is below this; 0: never (default: 0.01)")
+    app.add_option("--tolerance", a.tolerance,
+                   "Stop when the RMS difference of radiosity 20 sweeps apart, relative to its RMS, is below this; 0: "
+                   "never (default: 0.01)")
         ->type_name("T");
     app.add_option("--sweeps", o.sweeps, "Most sweeps; with --tolerance 0 the exact number; 0: single scattering")
         ->capture_default_str();
     app.add_option("--quality", a.quality, "Tolerance by name: draft 0.03, preview 0.01, final 0.003")
         ->check(CLI::IsMember(kQualities));
-    app.add_option("--zeta", o.zeta, "Part of a voxel's unshot power that one sweep shoots, (0,1]")->capture_default_str();
+    app.add_option("--zeta", o.zeta, "Part of a voxel's unshot power that one sweep shoots, (0,1]")
+        ->capture_default_str();
     addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "How rays and voxels meet");
     addChoice(app, "--remaining", o.remaining, kRemaining, "shoot", "What becomes of unshot energy at the end");
     app.add_option("--unshot", o.unshotShare, "--remaining shoot ends when less than this part is unshot")
@@ -80,7 +88,8 @@ void addOutputOptions(CLI::App& app, LightArguments& a) {
 /// "E" or "E:R:G:B" for strength times colour.
 Color parseStrength(const std::string& text, const std::string& option, const std::string& example) {
     const std::vector<std::string> parts = split(text, ':');
-    if (parts.size() != 1 && parts.size() != 4) usageError(option, "'" + text + "': one number or E:R:G:B is needed, as in " + example);
+    if (parts.size() != 1 && parts.size() != 4)
+        usageError(option, "'" + text + "': one number or E:R:G:B is needed, as in " + example);
     const double strength = parseNumber(parts[0], option, example);
     Color color = grey(float(strength));
     for (std::size_t i = 1; i < parts.size(); ++i)
@@ -110,7 +119,9 @@ std::string gridName(const std::string& text, const std::string& option) {
     return text.substr(prefix.size());
 }
 
-bool namesGrid(const std::string& text) { return text.rfind("grid:", 0) == 0; }
+bool namesGrid(const std::string& text) {
+    return text.rfind("grid:", 0) == 0;
+}
 
 std::vector<Sun> parseSuns(const LightArguments& a) {
     std::vector<Sun> suns;
@@ -143,7 +154,9 @@ openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile&
     if (!a.repair) return density;
     const openvdb::FloatGrid::Ptr repaired = density->deepCopy();
     const std::size_t count = repairVoxels(*repaired);
-    if (count > 0) warning(a.common, std::to_string(count) + " voxels of '" + density->getName() + "' were NaN, infinite or negative; they count as 0");
+    if (count > 0)
+        warning(a.common, std::to_string(count) + " voxels of '" + density->getName() +
+                              "' were NaN, infinite or negative; they count as 0");
     return repaired;
 }
 

@@ -1,5 +1,5 @@
-// Time of a sweep against the time that streaming the same voxels through memory takes, measured in the same run: machines
-// differ and are shared, ratios stay.
+// Time of a sweep against the time that streaming the same voxels through memory takes, measured in the same run:
+// machines differ and are shared, ratios stay.
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/direct.h"
 #include "raysweep/illuminate/state.h"
@@ -63,7 +63,8 @@ openvdb::FloatGrid::Ptr smokeInLargeBox() {
     const openvdb::CoordBBox box = grid->evalActiveVoxelBoundingBox();
     const openvdb::Coord size = box.dim();
     const auto shifted = [&](const openvdb::Coord& from, double times) {
-        return openvdb::Coord(from.x() + int(times * size.x()), from.y() + int(times * size.y()), from.z() + int(times * size.z()));
+        return openvdb::Coord(from.x() + int(times * size.x()), from.y() + int(times * size.y()),
+                              from.z() + int(times * size.z()));
     };
     wide->tree().setValue(shifted(box.min(), -4.5), 0.1f);
     wide->tree().setValue(shifted(box.max(), 4.5), 0.1f);
@@ -71,8 +72,8 @@ openvdb::FloatGrid::Ptr smokeInLargeBox() {
 }
 
 /// A state as in the middle of a solution: everything has been touched.
-std::unique_ptr<SolverState> makeState(const openvdb::FloatGrid::Ptr& density, double extinction, Interpolation interpolation,
-                                       bool coloured) {
+std::unique_ptr<SolverState> makeState(const openvdb::FloatGrid::Ptr& density, double extinction,
+                                       Interpolation interpolation, bool coloured) {
     Scene scene;
     scene.medium.density = density;
     scene.medium.extinctionScale = extinction;
@@ -100,10 +101,16 @@ ExchangeFields fieldsOf(SolverState& state) {
 }
 
 using Volume = openvdb::FloatGrid::Ptr (*)();
-openvdb::FloatGrid::Ptr paperBlock() { return denseBlock(276, 276, 130); }
+openvdb::FloatGrid::Ptr paperBlock() {
+    return denseBlock(276, 276, 130);
+}
+openvdb::FloatGrid::Ptr cachedBlock() {
+    return denseBlock(40, 40, 40);
+}  // its fields fit a core's own cache
 
 /// `major` in 0..2 takes directions of that axis only, 3 all.
-void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolation, bool coloured, int threads, int major) {
+void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolation, bool coloured, int threads,
+                int major) {
     const openvdb::FloatGrid::Ptr density = volume();
     if (!density) return bench.SkipWithError("the smoke volume is not there");
     const auto state = makeState(density, 1.0, interpolation, coloured);
@@ -142,6 +149,7 @@ SWEEP_BENCH(dense_nearest_x, paperBlock, Interpolation::nearest, false, 2, 0);
 SWEEP_BENCH(dense_nearest_y, paperBlock, Interpolation::nearest, false, 2, 1);
 SWEEP_BENCH(dense_nearest_z, paperBlock, Interpolation::nearest, false, 2, 2);
 SWEEP_BENCH(dense_nearest_1thread, paperBlock, Interpolation::nearest, false, 1, 3);
+SWEEP_BENCH(cached_nearest_1thread, cachedBlock, Interpolation::nearest, false, 1, 3);
 SWEEP_BENCH(dense_linear, paperBlock, Interpolation::linear, false, 2, 3);
 SWEEP_BENCH(dense_colour, paperBlock, Interpolation::nearest, true, 2, 3);
 SWEEP_BENCH(smoke_nearest, smoke, Interpolation::nearest, false, 2, 3);

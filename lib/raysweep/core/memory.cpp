@@ -16,10 +16,16 @@ std::size_t statusBytes(const std::string& key) {
 
 }  // namespace
 
-std::size_t residentBytes() { return statusBytes("VmRSS"); }
+std::size_t residentBytes() {
+    return statusBytes("VmRSS");
+}
 
-std::size_t peakResidentBytes() { return statusBytes("VmHWM"); }
+std::size_t peakResidentBytes() {
+    return statusBytes("VmHWM");
+}
 
-void resetPeak() { std::ofstream("/proc/self/clear_refs") << "5"; }
+void resetPeak() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
 
 }  // namespace raysweep

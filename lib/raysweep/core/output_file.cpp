@@ -40,8 +40,8 @@ void requireWritable(const std::string& target) {
 OutputFile::OutputFile(const std::string& target) : target_(target) {
     requireWritable(target);
     const fs::path path(target);
-    temporary_ = (folderOf(target) / ("." + path.stem().string() + ".part" + std::to_string(::getpid()) +
-                                      path.extension().string()))
+    temporary_ = (folderOf(target) /
+                  ("." + path.stem().string() + ".part" + std::to_string(::getpid()) + path.extension().string()))
                      .string();
 }
 

@@ -9,15 +9,21 @@
 
 namespace raysweep {
 
-using Vec3 = Imath::V3d;     ///< position or direction, world units unless said otherwise
-using Index3 = Imath::V3i;   ///< voxel coordinates (i,j,k)
-using Color = Imath::C3f;    ///< linear RGB
-using Matrix3 = Imath::M33d; ///< row vectors: world = index * M, as in OpenVDB
+using Vec3 = Imath::V3d;      ///< position or direction, world units unless said otherwise
+using Index3 = Imath::V3i;    ///< voxel coordinates (i,j,k)
+using Color = Imath::C3f;     ///< linear RGB
+using Matrix3 = Imath::M33d;  ///< row vectors: world = index * M, as in OpenVDB
 
 constexpr double kPi = 3.14159265358979323846;
 
-inline Color grey(float value) { return Color(value, value, value); }
-inline bool isGrey(const Color& c) { return c.x == c.y && c.y == c.z; }
-inline float maxComponent(const Color& c) { return c.x > c.y ? (c.x > c.z ? c.x : c.z) : (c.y > c.z ? c.y : c.z); }
+inline Color grey(float value) {
+    return Color(value, value, value);
+}
+inline bool isGrey(const Color& c) {
+    return c.x == c.y && c.y == c.z;
+}
+inline float maxComponent(const Color& c) {
+    return c.x > c.y ? (c.x > c.z ? c.x : c.z) : (c.y > c.z ? c.y : c.z);
+}
 
 }  // namespace raysweep

@@ -140,7 +140,8 @@ double choosePowerUnit(const Scene& scene, const BrickLayout& layout) {
     for (const Sun& sun : scene.suns) unit = std::max(unit, area * double(maxComponent(sun.irradiance)));
     for (const PointLight& point : scene.points) unit = std::max(unit, double(maxComponent(point.power)));
     if (scene.medium.emission)
-        unit = std::max(unit, largestValue(*scene.medium.emission, layout) * scene.medium.emissionScale * layout.voxelVolume);
+        unit = std::max(unit,
+                        largestValue(*scene.medium.emission, layout) * scene.medium.emissionScale * layout.voxelVolume);
     return unit > 0 ? unit : 1;
 }
 
@@ -150,7 +151,8 @@ void checkEmission(const openvdb::GridBase& grid) {
     else if (grid.isType<openvdb::Vec3SGrid>())
         checkVoxels(static_cast<const openvdb::Vec3SGrid&>(grid), "emission");
     else
-        throw InvalidArgument("emission grid '" + grid.getName() + "' is of type " + grid.type() + "; give a float or vec3s grid");
+        throw InvalidArgument("emission grid '" + grid.getName() + "' is of type " + grid.type() +
+                              "; give a float or vec3s grid");
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ struct Squares {
     }
 };
 
-/// total += recent, and what rounding took from the sum stays in recent: a million sweeps lose nothing. Rounded down, so
-/// that recent stays >= 0.
+/// total += recent, and what rounding took from the sum stays in recent: a million sweeps lose nothing. Rounded down,
+/// so that recent stays >= 0.
 void foldVoxel(float& total, float& recent) {
     float sum = total + recent;
     if (sum - total > recent) sum = std::nextafter(sum, 0.0f);
@@ -72,11 +72,14 @@ ChannelPower& ChannelPower::operator+=(const ChannelPower& other) {
     return *this;
 }
 
-double ChannelPower::sum() const { return value[0] + value[1] + value[2]; }
+double ChannelPower::sum() const {
+    return value[0] + value[1] + value[2];
+}
 
 double foldDeposits(SolverState& state, int sweeps) {
     const Squares sum = orderedSum<Squares>(
-        state.volume.layout.brickCount(), [&](std::size_t b) { return foldBrick(state, b, state.injections - sweeps); }, 16);
+        state.volume.layout.brickCount(), [&](std::size_t b) { return foldBrick(state, b, state.injections - sweeps); },
+        16);
     return sum.value > 0 ? std::sqrt(sum.difference / sum.value) : 0;
 }
 
@@ -95,16 +98,19 @@ ChannelPower unshotPower(const SolverState& state) {
 PowerBalance balance(const SolverState& state) {
     const bool swept = state.injections > 0;
     // What sweeps deposited, less what of it is scattered on, is absorbed.
-    const ChannelPower absorbed = orderedSum<ChannelPower>(swept ? state.volume.layout.brickCount() : 0, [&](std::size_t b) {
-        ChannelPower sum;
-        alignas(64) float g[kBrickVoxels];
-        for (int c = 0; c < state.channels; ++c) {
-            effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(c).brick(b), g);
-            for (int i = 0; i < kBrickVoxels; ++i)
-                sum.value[c] += (double(state.total[c].brick(b)[i]) + double(state.recent[c].brick(b)[i])) * (1 - double(g[i]));
-        }
-        return sum;
-    });
+    const ChannelPower absorbed =
+        orderedSum<ChannelPower>(swept ? state.volume.layout.brickCount() : 0, [&](std::size_t b) {
+            ChannelPower sum;
+            alignas(64) float g[kBrickVoxels];
+            for (int c = 0; c < state.channels; ++c) {
+                effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(c).brick(b),
+                                 g);
+                for (int i = 0; i < kBrickVoxels; ++i)
+                    sum.value[c] +=
+                        (double(state.total[c].brick(b)[i]) + double(state.recent[c].brick(b)[i])) * (1 - double(g[i]));
+            }
+            return sum;
+        });
     // Without a sweep the source is what is still unshot.
     const ChannelPower unshot = unshotPower(state);
     const double perInjection = state.powerUnit / std::max(1, state.injections);
@@ -113,10 +119,10 @@ PowerBalance balance(const SolverState& state) {
         double left = unshot.value[c] * perInjection;
         if (!swept && state.hasSource())
             left = state.powerUnit * orderedSum(state.volume.layout.brickCount(), [&](std::size_t b) {
-                double sum = 0;
-                for (int i = 0; i < kBrickVoxels; ++i) sum += double(state.source[c].brick(b)[i]);
-                return sum;
-            });
+                       double sum = 0;
+                       for (int i = 0; i < kBrickVoxels; ++i) sum += double(state.source[c].brick(b)[i]);
+                       return sum;
+                   });
         result.injected[c] = state.perInjection.injected[c] * state.powerUnit + state.swept.injected[c] * perInjection;
         result.escaped[c] = state.perInjection.escaped[c] * state.powerUnit + state.swept.escaped[c] * perInjection;
         result.absorbed[c] = state.perInjection.absorbed[c] * state.powerUnit + absorbed.value[c] * perInjection;
@@ -133,26 +139,31 @@ double PowerBalance::error() const {
     return worst;
 }
 
-BrickField radiosityField(const SolverState& state, int channel, const BrickField& extra) {
+void computeRadiosity(const SolverState& state, int channel, const BrickField& extra, BrickField& radiosity) {
     const std::size_t bricks = state.volume.layout.brickCount();
-    BrickField radiosity(bricks);
     const double perInjection = 1.0 / std::max(1, state.injections);
     const bool swept = !state.total[channel].empty();
-    parallelFor(bricks, [&](std::size_t b) {
-        alignas(64) float g[kBrickVoxels];
-        const float* const tau = state.tau.brick(b);
-        effectiveAlbedos(state.exchange, state.escape.fit(), tau, state.albedoView(channel).brick(b), g);
-        for (int i = 0; i < kBrickVoxels; ++i) {
-            if (!(tau[i] > 0)) continue;
-            double deposit = swept ? double(state.total[channel].brick(b)[i]) + double(state.recent[channel].brick(b)[i]) : 0;
-            if (!extra.empty()) deposit += double(extra.brick(b)[i]);
-            const double source = state.hasSource() ? double(state.source[channel].brick(b)[i]) : 0;
-            const double area = meanAbsorbingArea(state, double(tau[i]), state.escape.probability(double(tau[i])));
-            radiosity.brick(b)[i] =
-                float((source + double(g[i]) * deposit * perInjection) * state.powerUnit / (4 * kPi * area));
-        }
-    }, 16);
-    return radiosity;
+    parallelFor(
+        bricks,
+        [&](std::size_t b) {
+            alignas(64) float g[kBrickVoxels];
+            const float* const tau = state.tau.brick(b);
+            effectiveAlbedos(state.exchange, state.escape.fit(), tau, state.albedoView(channel).brick(b), g);
+            for (int i = 0; i < kBrickVoxels; ++i) {
+                if (!(tau[i] > 0)) {
+                    radiosity.brick(b)[i] = 0;
+                    continue;
+                }
+                double deposit =
+                    swept ? double(state.total[channel].brick(b)[i]) + double(state.recent[channel].brick(b)[i]) : 0;
+                if (!extra.empty()) deposit += double(extra.brick(b)[i]);
+                const double source = state.hasSource() ? double(state.source[channel].brick(b)[i]) : 0;
+                const double area = meanAbsorbingArea(state, double(tau[i]), state.escape.probability(double(tau[i])));
+                radiosity.brick(b)[i] =
+                    float((source + double(g[i]) * deposit * perInjection) * state.powerUnit / (4 * kPi * area));
+            }
+        },
+        16);
 }
 
 }  // namespace raysweep

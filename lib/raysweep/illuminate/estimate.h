@@ -22,10 +22,11 @@ PowerBalance balance(const SolverState& state);
 
 /// Radiosity of channel `channel`, W m^-2 sr^-1, of all voxels that have extinction; 0 elsewhere.
 /// @param extra further deposit, in powerUnit; may be empty
-BrickField radiosityField(const SolverState& state, int channel, const BrickField& extra);
+/// @param radiosity receives the result; may be one of the state's own fields
+void computeRadiosity(const SolverState& state, int channel, const BrickField& extra, BrickField& radiosity);
 
-/// Deposit of all unshot power of a wavelength, spread in proportion to density times the magnitude of its gradient, or,
-/// where there is no gradient anywhere, to density (paper, section 2.2). In powerUnit.
+/// Deposit of all unshot power of a wavelength, spread in proportion to density times the magnitude of its gradient,
+/// or, where there is no gradient anywhere, to density (paper, section 2.2). In powerUnit.
 BrickField spreadUnshot(const SolverState& state, int channel);
 
 }  // namespace raysweep

@@ -1,5 +1,5 @@
-// Inject-and-shoot iteration (paper, section 2.2): every sweep injects all light again and moves unshot power on; the answer
-// is what has been deposited divided by the number of injections.
+// Inject-and-shoot iteration (paper, section 2.2): every sweep injects all light again and moves unshot power on; the
+// answer is what has been deposited divided by the number of injections.
 #include "raysweep/illuminate/illuminate.h"
 
 #include "raysweep/core/parallel.h"
@@ -24,14 +24,18 @@ enum class Inject { everything, nothing };
 class Solver {
   public:
     Solver(const Scene& scene, const IlluminateOptions& options, SolverState& state)
-        : scene_(scene), options_(options), state_(state), directions_(options.directions, options.batch, options.seed),
+        : scene_(scene),
+          options_(options),
+          state_(state),
+          directions_(options.directions, options.batch, options.seed),
           offsets_(options.seed ^ 0x9e3779b97f4a7c15ull) {}
 
     void sweepOnce(Inject inject) {
         const Vec3 direction = directions_.next();
         const int reach = options_.interpolation == Interpolation::linear ? 1 : 0;
         const double column = uniform01(offsets_), row = uniform01(offsets_);
-        const RayFront front = parallelFront(state_.volume.layout, direction, reach, column, row, state_.volume.periodic);
+        const RayFront front =
+            parallelFront(state_.volume.layout, direction, reach, column, row, state_.volume.periodic);
         ExchangeStep step = exchangeStep(state_, front, options_.zeta);
         if (inject == Inject::everything) setSky(step, front, direction);
         const ExchangeFields fields = fieldsFor(inject);
@@ -91,13 +95,38 @@ class Solver {
     std::mt19937_64 offsets_;
 };
 
-openvdb::GridBase::Ptr radiosityGrid(const SolverState& state, const Scene& scene, bool withUnshotSpread) {
-    std::vector<BrickField> fields;
-    for (int c = 0; c < state.channels; ++c)
-        fields.push_back(radiosityField(state, c, withUnshotSpread ? spreadUnshot(state, c) : BrickField()));
-    auto grid = extendedGridFromFields(state.volume.layout, *scene.medium.density, state.tau, fields);
+openvdb::GridBase::Ptr radiosityGrid(const SolverState& state, const Scene& scene,
+                                     const std::vector<BrickField>& radiosity) {
+    auto grid = extendedGridFromFields(state.volume.layout, *scene.medium.density, state.tau, radiosity);
     grid->setName("radiosity");
     return grid;
+}
+
+/// The estimate so far, with what is unshot spread.
+openvdb::GridBase::Ptr snapshotGrid(const SolverState& state, const Scene& scene) {
+    std::vector<BrickField> radiosity;
+    for (int c = 0; c < state.channels; ++c) {
+        radiosity.emplace_back(state.volume.layout.brickCount());
+        computeRadiosity(state, c, spreadUnshot(state, c), radiosity.back());
+    }
+    return radiosityGrid(state, scene, radiosity);
+}
+
+/// The answer. It takes the place of the deposits, so that the peak of memory stays in the sweeps.
+openvdb::GridBase::Ptr finalGrid(SolverState& state, const Scene& scene) {
+    std::vector<BrickField> radiosity;
+    for (int c = 0; c < state.channels; ++c) {
+        BrickField& field = state.total[c];
+        const bool swept = !field.empty();
+        BrickField own = swept ? BrickField() : BrickField(state.volume.layout.brickCount());
+        computeRadiosity(state, c, BrickField(), swept ? field : own);
+        radiosity.push_back(std::move(swept ? field : own));
+        state.recent[c] = BrickField();
+    }
+    // Without a sweep the sources are what is unshot, and still needed.
+    if (state.injections > 0)
+        for (BrickField& source : state.source) source = BrickField();
+    return radiosityGrid(state, scene, radiosity);
 }
 
 /// Unshot power, W; without a sweep that is what the sources add. Takes the field from `state`.
@@ -108,9 +137,12 @@ openvdb::GridBase::Ptr unshotGrid(SolverState& state, const Scene& scene) {
     for (int c = 0; c < state.channels; ++c) {
         fields.push_back(std::move(swept ? state.unshot[c] : state.source[c]));
         const double scale = state.powerUnit / std::max(1, state.injections);
-        parallelFor(fields.back().brickCount(), [&](std::size_t b) {
-            for (int i = 0; i < kBrickVoxels; ++i) fields.back().brick(b)[i] *= float(scale);
-        }, 16);
+        parallelFor(
+            fields.back().brickCount(),
+            [&](std::size_t b) {
+                for (int i = 0; i < kBrickVoxels; ++i) fields.back().brick(b)[i] *= float(scale);
+            },
+            16);
     }
     auto grid = gridFromFields(state.volume.layout, *scene.medium.density, fields);
     grid->setName("unshot");
@@ -133,7 +165,7 @@ Termination iterate(Solver& solver, SolverState& state, const Scene& scene, cons
             if (rms > 0) done = std::max(done, std::min(1.0, options.tolerance / rms));
         }
         if (options.snapshot && options.snapshotEvery > 0 && n % options.snapshotEvery == 0)
-            options.snapshot(n, radiosityGrid(state, scene, true));
+            options.snapshot(n, snapshotGrid(state, scene));
         if (!report(progress, "sweeping", std::max(done, double(n) / options.sweeps))) return Termination::interrupted;
     }
     return options.tolerance > 0 ? Termination::sweepLimit : Termination::converged;
@@ -155,8 +187,8 @@ void spreadRemaining(SolverState& state) {
 }
 
 /// Sweeps without injecting until hardly any power is unshot. @return the number of sweeps
-int shootRemaining(Solver& solver, SolverState& state, const IlluminateOptions& options, const ProgressCallback& progress,
-                   Termination& termination) {
+int shootRemaining(Solver& solver, SolverState& state, const IlluminateOptions& options,
+                   const ProgressCallback& progress, Termination& termination) {
     const double injected = solver.injectedSoFar();
     const double first = unshotPower(state).sum(), enough = options.unshotShare * injected;
     int sweeps = 0;
@@ -181,9 +213,9 @@ void runSweeps(Illumination& result, SolverState& state, const Scene& scene, con
     result.termination = iterate(solver, state, scene, options, progress, result.history);
     result.seconds.sweeps = timer.seconds();
     // Asked to stop, spreading is the quickest way to an answer that has all the power.
-    const Remaining remaining =
-        result.termination == Termination::interrupted && options.remaining == Remaining::shoot ? Remaining::spread
-                                                                                                : options.remaining;
+    const Remaining remaining = result.termination == Termination::interrupted && options.remaining == Remaining::shoot
+                                    ? Remaining::spread
+                                    : options.remaining;
     if (remaining == Remaining::shoot)
         result.finishingSweeps = shootRemaining(solver, state, options, progress, result.termination);
     else if (remaining == Remaining::spread)
@@ -214,7 +246,7 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
 
     timer = Timer();
     result.power = balance(state);
-    result.radiosity = radiosityGrid(state, scene, false);
+    result.radiosity = finalGrid(state, scene);
     if (result.plan.unshotGrid) result.unshot = unshotGrid(state, scene);
     result.seconds.output = timer.seconds();
     return result;

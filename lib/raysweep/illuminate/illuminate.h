@@ -14,13 +14,14 @@ namespace raysweep {
 
 /// What becomes of power that is still unshot when no more is injected (paper, section 2.2).
 enum class Remaining {
-    shoot,   ///< sweep on without injecting until hardly any is left
-    drop,    ///< leave it out of the answer
-    spread   ///< deposit it in proportion to density times gradient magnitude, without knowing where it would have gone
+    shoot,  ///< sweep on without injecting until hardly any is left
+    drop,   ///< leave it out of the answer
+    spread  ///< deposit it in proportion to density times gradient magnitude, without knowing where it would have gone
 };
 
 struct IlluminateOptions {
-    /// Part of a voxel's unshot power that leaves in one sweep, (0,1]. Paper: zeta = 0.1; 0.5 needs a tenth of the sweeps.
+    /// Part of a voxel's unshot power that leaves in one sweep, (0,1]. Paper: zeta = 0.1; 0.5 needs a tenth of the
+    /// sweeps.
     double zeta = 0.5;
     /// Stop when the RMS difference of radiosity between estimates 20 sweeps apart, relative to its RMS, is below this
     /// (paper, section 2.2, with delta i = 20); 0: never. >= 0.
@@ -33,11 +34,11 @@ struct IlluminateOptions {
     Interpolation interpolation = Interpolation::nearest;
     MediumExchange exchange = MediumExchange::consistent;
     DirectionSet directions = DirectionSet::fibonacci;
-    int batch = 32;              ///< directions per shuffled, rotated Fibonacci batch, >= 1
-    std::uint64_t seed = 1;      ///< of directions and offsets; the same seed gives the same bits
+    int batch = 32;                          ///< directions per shuffled, rotated Fibonacci batch, >= 1
+    std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits
     Periodic periodic{false, false, false};  ///< axes of index space along which the bricks' bounding box repeats
-    /// Called after each `snapshotEvery` sweeps (0: never) with the number of sweeps and the estimate of radiosity so far,
-    /// unshot power spread.
+    /// Called after each `snapshotEvery` sweeps (0: never) with the number of sweeps and the estimate of radiosity so
+    /// far, unshot power spread.
     int snapshotEvery = 0;
     std::function<void(int sweep, openvdb::GridBase::Ptr radiosity)> snapshot;
     /// Called after every sweep, for those who want to look closer.
@@ -49,9 +50,9 @@ struct IlluminateOptions {
 
 /// What will be modelled, and why: only what the scene requires.
 struct Plan {
-    int channels = 1;             ///< wavelengths: 1 if everything is grey, else 3
-    bool directPass = false;      ///< suns or points
-    bool sweeps = false;          ///< anything can scatter, and there is light to scatter
+    int channels = 1;         ///< wavelengths: 1 if everything is grey, else 3
+    bool directPass = false;  ///< suns or points
+    bool sweeps = false;      ///< anything can scatter, and there is light to scatter
     bool unshotGrid = false;
     std::vector<std::string> reasons;  ///< one line each
 };
@@ -84,22 +85,25 @@ struct IlluminationTimings {
 };
 
 struct Illumination {
-    openvdb::GridBase::Ptr radiosity;  ///< source radiance, W m^-2 sr^-1: FloatGrid if grey, else Vec3SGrid; one voxel wider
-    openvdb::GridBase::Ptr unshot;     ///< unshot power, W; null where the scene needs none
+    openvdb::GridBase::Ptr
+        radiosity;  ///< source radiance, W m^-2 sr^-1: FloatGrid if grey, else Vec3SGrid; one voxel wider
+    openvdb::GridBase::Ptr unshot;  ///< unshot power, W; null where the scene needs none
     Plan plan;
     PowerBalance power;
     Termination termination = Termination::direct;
     std::vector<ConvergencePoint> history;
-    int sweeps = 0;             ///< in which power was injected
-    int finishingSweeps = 0;    ///< in which only unshot power was shot
+    int sweeps = 0;           ///< in which power was injected
+    int finishingSweeps = 0;  ///< in which only unshot power was shot
     std::size_t activeVoxels = 0;
-    double thickShare = 0;      ///< part of the active voxels whose optical depth is above 2: too coarse to be accurate
-    std::size_t invisibleEmitters = 0;  ///< voxels that emit but have no extinction: they light others, unseen themselves
+    double thickShare = 0;  ///< part of the active voxels whose optical depth is above 2: too coarse to be accurate
+    std::size_t invisibleEmitters =
+        0;  ///< voxels that emit but have no extinction: they light others, unseen themselves
     IlluminationTimings seconds;
 };
 
 /// Lights `scene`.
 /// @throw InvalidArgument for options or a scene that cannot be worked with.
-Illumination illuminate(const Scene& scene, const IlluminateOptions& options = {}, const ProgressCallback& progress = {});
+Illumination illuminate(const Scene& scene, const IlluminateOptions& options = {},
+                        const ProgressCallback& progress = {});
 
 }  // namespace raysweep

@@ -14,17 +14,25 @@ using openvdb::Coord;
 using openvdb::Vec3s;
 
 // Channels of a value, alike for scalars and colours.
-float channel(float value, int) { return value; }
-float channel(const Vec3s& value, int c) { return value[c]; }
-void setChannel(float& value, int, float x) { value = x; }
-void setChannel(Vec3s& value, int c, float x) { value[c] = x; }
+float channel(float value, int) {
+    return value;
+}
+float channel(const Vec3s& value, int c) {
+    return value[c];
+}
+void setChannel(float& value, int, float x) {
+    value = x;
+}
+void setChannel(Vec3s& value, int c, float x) {
+    value[c] = x;
+}
 template <class ValueType>
 constexpr int channelCount() {
     return std::is_same<ValueType, float>::value ? 1 : 3;
 }
 
-/// Radiosity is never negative, so the sign is free to say "not from the solver": unknown values are -infinity, and those
-/// filled in from neighbours are kept negative until all are done, so that none is made from another.
+/// Radiosity is never negative, so the sign is free to say "not from the solver": unknown values are -infinity, and
+/// those filled in from neighbours are kept negative until all are done, so that none is made from another.
 template <class ValueType>
 bool isKnown(const ValueType& value) {
     return !std::signbit(channel(value, 0));
@@ -44,19 +52,22 @@ typename GridType::Ptr makeGrid(const BrickLayout& layout, const openvdb::FloatG
     auto grid = GridType::create(inactive);
     grid->setTransform(topology.transform().copy());
     std::vector<Leaf*> leaves(layout.brickCount(), nullptr);
-    parallelFor(layout.brickCount(), [&](std::size_t b) {
-        const Index3& origin = layout.origins[b];
-        const BrickMask mask = activeMask(layout, topology, b);
-        if (mask.isOff()) return;
-        leaves[b] = new Leaf(Coord(origin.x, origin.y, origin.z), inactive);
-        leaves[b]->setValueMask(mask);
-        ValueType* const values = leaves[b]->buffer().data();
-        for (auto on = mask.beginOn(); on; ++on) {
-            if (tau && tau->brick(b)[on.pos()] == 0) continue;
-            for (int c = 0; c < channelCount<ValueType>(); ++c)
-                setChannel(values[on.pos()], c, fields[std::size_t(c)].brick(b)[on.pos()]);
-        }
-    }, 16);
+    parallelFor(
+        layout.brickCount(),
+        [&](std::size_t b) {
+            const Index3& origin = layout.origins[b];
+            const BrickMask mask = activeMask(layout, topology, b);
+            if (mask.isOff()) return;
+            leaves[b] = new Leaf(Coord(origin.x, origin.y, origin.z), inactive);
+            leaves[b]->setValueMask(mask);
+            ValueType* const values = leaves[b]->buffer().data();
+            for (auto on = mask.beginOn(); on; ++on) {
+                if (tau && tau->brick(b)[on.pos()] == 0) continue;
+                for (int c = 0; c < channelCount<ValueType>(); ++c)
+                    setChannel(values[on.pos()], c, fields[std::size_t(c)].brick(b)[on.pos()]);
+            }
+        },
+        16);
     for (Leaf* leaf : leaves)
         if (leaf) grid->tree().addLeaf(leaf);
     return grid;
@@ -103,8 +114,8 @@ void extend(GridType& grid) {
 }
 
 template <class GridType>
-typename GridType::Ptr makeExtended(const BrickLayout& layout, const openvdb::FloatGrid& topology, const BrickField& tau,
-                                    const std::vector<BrickField>& fields) {
+typename GridType::Ptr makeExtended(const BrickLayout& layout, const openvdb::FloatGrid& topology,
+                                    const BrickField& tau, const std::vector<BrickField>& fields) {
     auto grid = makeGrid<GridType>(layout, topology, fields, &tau);
     extend(*grid);
     return grid;

@@ -6,9 +6,13 @@
 namespace raysweep {
 namespace {
 
-bool isColoured(const openvdb::GridBase::ConstPtr& grid) { return grid && grid->isType<openvdb::Vec3SGrid>(); }
+bool isColoured(const openvdb::GridBase::ConstPtr& grid) {
+    return grid && grid->isType<openvdb::Vec3SGrid>();
+}
 
-bool isBlack(const Color& c) { return maxComponent(c) <= 0; }
+bool isBlack(const Color& c) {
+    return maxComponent(c) <= 0;
+}
 
 bool isColoured(const Scene& scene) {
     bool coloured = isColoured(scene.medium.albedoGrid) || isColoured(scene.medium.emission);
@@ -27,10 +31,13 @@ void requireBetween(const char* field, double value, double low, double high, bo
 void requireLight(const char* what, const Color& c) {
     for (int i = 0; i < 3; ++i)
         if (!std::isfinite(c[i]) || c[i] < 0)
-            throw InvalidArgument(std::string(what) + " is " + std::to_string(c[i]) + "; it must be finite and not negative");
+            throw InvalidArgument(std::string(what) + " is " + std::to_string(c[i]) +
+                                  "; it must be finite and not negative");
 }
 
-bool isFinite(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool isFinite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 }  // namespace
 

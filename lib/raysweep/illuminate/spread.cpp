@@ -13,7 +13,8 @@ double tauAt(const SolverState& state, const BrickMap& map, const Index3& voxel)
 }
 
 /// Magnitude of the world-space gradient by central differences.
-double gradientMagnitude(const SolverState& state, const BrickMap& map, const Matrix3& indexFromWorld, const Index3& voxel) {
+double gradientMagnitude(const SolverState& state, const BrickMap& map, const Matrix3& indexFromWorld,
+                         const Index3& voxel) {
     Vec3 inIndex;
     for (int axis = 0; axis < 3; ++axis) {
         Index3 step(0);

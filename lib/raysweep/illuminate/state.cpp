@@ -38,17 +38,20 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
 
     const BrickLayout& bricks = state.volume.layout;
     state.tau = gatherField(bricks, *medium.density, medium.extinctionScale * state.escape.meanStepLength());
-    parallelFor(bricks.brickCount(), [&](std::size_t b) {
-        float* const tau = state.tau.brick(b);
-        for (int i = 0; i < kBrickVoxels; ++i) tau[i] = std::min(tau[i], kThickest);
-    }, 16);
+    parallelFor(
+        bricks.brickCount(),
+        [&](std::size_t b) {
+            float* const tau = state.tau.brick(b);
+            for (int i = 0; i < kBrickVoxels; ++i) tau[i] = std::min(tau[i], kThickest);
+        },
+        16);
 
     state.zero = uniformBrick(0);
     state.uniformAlbedo = !medium.albedoGrid;
     if (medium.albedoGrid) checkAlbedo(*medium.albedoGrid);
     for (int c = 0; c < state.channels; ++c)
-        state.albedo[c] = medium.albedoGrid ? gatherChannel(bricks, *medium.albedoGrid, c, 1)
-                                            : uniformBrick(medium.albedo[c]);
+        state.albedo[c] =
+            medium.albedoGrid ? gatherChannel(bricks, *medium.albedoGrid, c, 1) : uniformBrick(medium.albedo[c]);
     return state;
 }
 

@@ -13,12 +13,13 @@ struct SolverState {
     Escape escape;
     MediumExchange exchange = MediumExchange::consistent;
     int channels = 1;
-    double powerUnit = 1;       ///< W
+    double powerUnit = 1;  ///< W
 
-    BrickField tau;             ///< extinction * mean step length
+    BrickField tau;                   ///< extinction * mean step length
     BrickField albedo[kMaxChannels];  ///< one brick if uniform
     bool uniformAlbedo = true;
-    BrickField source[kMaxChannels];  ///< power to be shot that each injection adds; empty without direct light or emission
+    BrickField
+        source[kMaxChannels];  ///< power to be shot that each injection adds; empty without direct light or emission
     BrickField unshot[kMaxChannels];
     BrickField recent[kMaxChannels];  ///< deposit since the last fold
     BrickField total[kMaxChannels];   ///< deposit up to the last fold

@@ -9,14 +9,14 @@ namespace raysweep {
 
 /// Parallel light from infinitely far away.
 struct Sun {
-    Vec3 direction{0, -1, 0};   ///< in which the light travels, world; any length but 0
-    Color irradiance = grey(1); ///< at normal incidence, W/world unit^2
+    Vec3 direction{0, -1, 0};    ///< in which the light travels, world; any length but 0
+    Color irradiance = grey(1);  ///< at normal incidence, W/world unit^2
 };
 
 /// A point that shines evenly in all directions, inside or outside the volume.
 struct PointLight {
-    Vec3 position{0};      ///< world units
-    Color power = grey(1); ///< W
+    Vec3 position{0};       ///< world units
+    Color power = grey(1);  ///< W
 };
 
 /// Light from all around, infinitely far away.

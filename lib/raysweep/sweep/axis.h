@@ -7,8 +7,9 @@
 
 namespace raysweep {
 
-/// Slices are perpendicular to `major`. In a slice, rows follow each other along `row` (v) and the voxels of a row along
-/// `column` (u). Columns are contiguous in a brick for the x and y axes; for z a brick is transposed as it is visited.
+/// Slices are perpendicular to `major`. In a slice, rows follow each other along `row` (v) and the voxels of a row
+/// along `column` (u). Columns are contiguous in a brick for the x and y axes; for z a brick is transposed as it is
+/// visited.
 struct SweepAxis {
     int major = 0, row = 1, column = 2;
     int sliceStride = 64, rowStride = 8;  ///< in a brick (after transposing, for z)
@@ -17,9 +18,12 @@ struct SweepAxis {
 
 inline SweepAxis sweepAxis(int major) {
     switch (major) {
-        case 0: return {0, 1, 2, 64, 8, false};
-        case 1: return {1, 0, 2, 8, 64, false};
-        default: return {2, 0, 1, 8, 64, true};
+        case 0:
+            return {0, 1, 2, 64, 8, false};
+        case 1:
+            return {1, 0, 2, 8, 64, false};
+        default:
+            return {2, 0, 1, 8, 64, true};
     }
 }
 

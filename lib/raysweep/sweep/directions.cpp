@@ -11,11 +11,15 @@ Vec3 onSphere(double z, double azimuth) {
     return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
 
-double fraction(double x) { return x - std::floor(x); }
+double fraction(double x) {
+    return x - std::floor(x);
+}
 
 }  // namespace
 
-double uniform01(std::mt19937_64& random) { return double(random() >> 11) * 0x1.0p-53; }
+double uniform01(std::mt19937_64& random) {
+    return double(random() >> 11) * 0x1.0p-53;
+}
 
 std::vector<Vec3> sphericalFibonacci(int count) {
     const double goldenAngle = kPi * (3 - std::sqrt(5.0));
@@ -59,7 +63,8 @@ Vec3 DirectionSequence::next() {
             ++step_;
             return onSphere(1 - 2 * fraction(0.5 + kA * double(step_)), 2 * kPi * fraction(0.5 + kB * double(step_)));
         }
-        case DirectionSet::fibonacci: break;
+        case DirectionSet::fibonacci:
+            break;
     }
     if (shuffled_.empty() || used_ == shuffled_.size()) refill();
     return shuffled_[used_++];

@@ -18,7 +18,8 @@ enum class DirectionSet {
                      ///< with a large zeta; kept to show that
 };
 
-/// `count` points spread evenly over the unit sphere (Swinbank and Purser 2006; midpoint in z, golden angle in azimuth).
+/// `count` points spread evenly over the unit sphere (Swinbank and Purser 2006; midpoint in z, golden angle in
+/// azimuth).
 std::vector<Vec3> sphericalFibonacci(int count);
 
 /// A uniformly distributed rotation (Shoemake 1992).

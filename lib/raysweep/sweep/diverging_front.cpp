@@ -20,9 +20,9 @@ using FixedField = std::vector<std::atomic<std::int64_t>>;
 struct Pyramid {
     SweepAxis axis;
     int sign;
-    int cells;                   ///< across slopes [-1,1]
-    RayRange columns, rows;      ///< cells that can meet the volume
-    int firstSlice, lastSlice;   ///< major coordinates of the volume's slices, in the order of travel
+    int cells;                  ///< across slopes [-1,1]
+    RayRange columns, rows;     ///< cells that can meet the volume
+    int firstSlice, lastSlice;  ///< major coordinates of the volume's slices, in the order of travel
 
     double slope(int cell) const { return -1 + 2.0 * cell / cells; }
 };
@@ -47,7 +47,8 @@ RayRange cellsThatSee(double low, double high, double near, double far, int cell
 Pyramid pyramidOf(const BrickLayout& layout, const Vec3& position, int major, int sign) {
     Pyramid pyramid{sweepAxis(major), sign, 0, {}, {}, 0, 0};
     const auto extent = [&](int axis) {
-        return std::pair<double, double>(layout.low[axis] - 0.5 - position[axis], layout.high[axis] - 0.5 - position[axis]);
+        return std::pair<double, double>(layout.low[axis] - 0.5 - position[axis],
+                                         layout.high[axis] - 0.5 - position[axis]);
     };
     const auto [low, high] = extent(major);
     const double near = std::max(sign > 0 ? low : -high, 0.0), far = sign > 0 ? high : -low;
@@ -85,7 +86,8 @@ struct Overlap1 {
 };
 
 /// Steps one ray through the volume. @return the power left
-double marchRay(const Source& source, const Pyramid& pyramid, int column, int row, double power, double lengthPerSlice) {
+double marchRay(const Source& source, const Pyramid& pyramid, int column, int row, double power,
+                double lengthPerSlice) {
     const SweepAxis& axis = pyramid.axis;
     const double width = 2.0 / pyramid.cells;
     const int slices = std::abs(pyramid.lastSlice - pyramid.firstSlice) + 1;

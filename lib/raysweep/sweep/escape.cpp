@@ -16,7 +16,9 @@ constexpr int kQuantiles = 256;
 constexpr double kTableLow = -20, kTableHigh = 40;  ///< log2 t
 constexpr int kPerOctave = 32;
 
-double escapeAlong(double t) { return t > 0 ? -std::expm1(-t) / t : 1; }
+double escapeAlong(double t) {
+    return t > 0 ? -std::expm1(-t) / t : 1;
+}
 
 /// Solves A x = y for a symmetric positive definite matrix (Cholesky); n is at most 6.
 std::vector<double> solveNormalEquations(std::vector<std::vector<double>> A, std::vector<double> y) {
@@ -41,8 +43,8 @@ struct Sample {
     double t, p, weight;
 };
 
-/// One weighted least-squares step for numerator(t) - p denominator(t) = 0 with a numerator of degree n and a denominator
-/// of degree n + 1. Tied: a1 = b1 + 1/2 (slope of p at 0) and a_{n+1} = b_n / <1/l> (p t at infinity).
+/// One weighted least-squares step for numerator(t) - p denominator(t) = 0 with a numerator of degree n and a
+/// denominator of degree n + 1. Tied: a1 = b1 + 1/2 (slope of p at 0) and a_{n+1} = b_n / <1/l> (p t at infinity).
 EscapeFit fitOnce(const std::vector<Sample>& samples, int n, double meanInverse) {
     const std::size_t unknowns = std::size_t(2 * n - 1);  // b1..bn, a2..an
     std::vector<std::vector<double>> A(unknowns, std::vector<double>(unknowns, 0.0));
@@ -84,8 +86,8 @@ EscapeFit fitDegree(std::vector<Sample> samples, int degree, double meanInverse)
         for (Sample& s : samples) s.weight = 1 / (s.p * std::abs(fit.denominator(s.t)));
     }
     for (const Sample& s : samples)
-        fit.maxRelativeError = std::max(fit.maxRelativeError,
-                                        std::abs(fit.numerator(s.t) / fit.denominator(s.t) / s.p - 1));
+        fit.maxRelativeError =
+            std::max(fit.maxRelativeError, std::abs(fit.numerator(s.t) / fit.denominator(s.t) / s.p - 1));
     return fit;
 }
 
@@ -118,7 +120,8 @@ Escape::Escape(const Matrix3& worldFromIndex) {
         fit_ = fitDegree(samples, degree, meanInverse_);
         if (isUsable(fit_) && fit_.maxRelativeError < 0.01) return;
     }
-    throw InvalidArgument("voxels this elongated or sheared cannot be swept; resample the volume to nearly cubic voxels");
+    throw InvalidArgument(
+        "voxels this elongated or sheared cannot be swept; resample the volume to nearly cubic voxels");
 }
 
 double Escape::probabilityByQuadrature(double t) const {

@@ -21,8 +21,8 @@ struct EscapeFit {
 /// Step lengths of a voxel over all directions, and what follows from them.
 ///
 /// p(t) = < (1 - exp(-t l)) / (t l) >, the mean over directions of the probability that power emitted uniformly along a
-/// ray's stretch in the voxel leaves it without colliding; l = step length / mean step length, t = extinction * mean step
-/// length. A function of t alone for a given shape of voxel (physics: docs/illumination.md).
+/// ray's stretch in the voxel leaves it without colliding; l = step length / mean step length, t = extinction * mean
+/// step length. A function of t alone for a given shape of voxel (physics: docs/illumination.md).
 class Escape {
   public:
     /// @param worldFromIndex linear part of the grid's transform
@@ -46,6 +46,8 @@ class Escape {
 };
 
 /// Effective albedo of a voxel: the closed sum of all scatterings inside it, albedo p / (1 - albedo (1 - p)).
-inline double effectiveAlbedo(double albedo, double p) { return albedo * p / (1 - albedo * (1 - p)); }
+inline double effectiveAlbedo(double albedo, double p) {
+    return albedo * p / (1 - albedo * (1 - p));
+}
 
 }  // namespace raysweep

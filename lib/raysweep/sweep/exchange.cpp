@@ -7,6 +7,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/sweep/exchange.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -28,9 +29,9 @@ constexpr float kThinnest = 1e-30f;
 
 /// What a row of voxels does to any ray that passes it along the sweep's direction.
 struct RowTerms {
-    Vec opacity;      ///< alpha
-    Vec shot;         ///< out / U
-    Vec numerator;    ///< of the escape probability
+    Vec opacity;    ///< alpha
+    Vec shot;       ///< out / U
+    Vec numerator;  ///< of the escape probability
     Vec denominator;
 };
 
@@ -199,8 +200,11 @@ class TileRays {
     static constexpr int kPad = 16;
 
     TileRays(const RayTile& tile, int channels)
-        : columns_(tile.columns.size()), rows_(tile.rows.size()), stride_(std::size_t(columns_ + 2 * kPad)),
-          plane_(stride_ * std::size_t(rows_)), energy_(plane_ * std::size_t(channels), 0.0f) {}
+        : columns_(tile.columns.size()),
+          rows_(tile.rows.size()),
+          stride_(std::size_t(columns_ + 2 * kPad)),
+          plane_(stride_ * std::size_t(rows_)),
+          energy_(plane_ * std::size_t(channels), 0.0f) {}
 
     float* row(int row) { return energy_.data() + std::size_t(row) * stride_ + kPad; }
     int columns() const { return columns_; }
@@ -240,11 +244,11 @@ class TileRays {
 
 /// How the eight slices of a visited brick lie over a tile's rays, in the order of travel.
 struct Overlap {
-    int slice[kBrickEdge];              ///< slice of the brick
-    int column[kBrickEdge];             ///< tile column of the ray at the slice's first column
-    int row[kBrickEdge];                ///< tile row of the ray at the slice's first row
+    int slice[kBrickEdge];                    ///< slice of the brick
+    int column[kBrickEdge];                   ///< tile column of the ray at the slice's first column
+    int row[kBrickEdge];                      ///< tile row of the ray at the slice's first row
     int firstRow = kBrickEdge, lastRow = -1;  ///< rows of the brick met in any slice
-    bool clipped = false;               ///< some column lies outside the tile
+    bool clipped = false;                     ///< some column lies outside the tile
 
     Overlap(const RayFront& front, const RayTile& tile, const BrickVisit& visit) {
         const int columns = tile.columns.size(), rows = tile.rows.size();
@@ -264,11 +268,26 @@ struct Overlap {
     }
 };
 
+/// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
+template <int kChannels>
+HWY_INLINE void prefetchEighth(const BrickRows& next, int j) {
+    constexpr int kEighth = kBrickVoxels / kBrickEdge, kLine = 16;
+    for (int i = j * kEighth; i < (j + 1) * kEighth; i += kLine) {
+        hwy::Prefetch(next.tau + i);
+        for (int c = 0; c < kChannels; ++c) {
+            hwy::Prefetch(next.unshot[c] + i);
+            hwy::Prefetch(next.deposit[c] + i);
+            hwy::Prefetch(next.source[c] + i);
+        }
+    }
+}
+
 template <MediumExchange kModel, int kChannels>
 HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, const ExchangeStep& step,
-                              const BrickRows& brick, TileRays& rays) {
+                              const BrickRows& brick, const BrickRows& next, TileRays& rays) {
     const int columns = rays.columns();
     for (int j = 0; j < kBrickEdge; ++j) {
+        prefetchEighth<kChannels>(next, j);
         if (overlap.missesColumns(j, columns, 0)) continue;
         const int column = overlap.column[j], row = overlap.row[j];
         const int first = std::max(0, -row), last = std::min(kBrickEdge, rays.rows() - row) - 1;
@@ -276,7 +295,8 @@ HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, con
         for (int r = first; r <= last; ++r, at += front.axis.rowStride) {
             float* const ray = rays.row(row + r) + column;
             if (overlap.clipped)
-                exchangeRow<kModel, kChannels, true>(step, brick, at, ray, rays.planeStride(), -column, columns - column);
+                exchangeRow<kModel, kChannels, true>(step, brick, at, ray, rays.planeStride(), -column,
+                                                     columns - column);
             else
                 exchangeRow<kModel, kChannels, false>(step, brick, at, ray, rays.planeStride(), 0, kBrickEdge);
         }
@@ -306,14 +326,15 @@ void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeField
         const Overlap overlap(front, tile, *visit);
         if (overlap.lastRow < overlap.firstRow) continue;
         const BrickRows brick = brickRows<kChannels>(fields, visit->brick);
+        const BrickRows next = brickRows<kChannels>(fields, (visit + 1 == tile.end ? visit : visit + 1)->brick);
         if (!front.axis.transposed) {
-            exchangeBrick<kModel, kChannels>(front, overlap, step, brick, rays);
+            exchangeBrick<kModel, kChannels>(front, overlap, step, brick, next, rays);
             continue;
         }
         const int first = overlap.firstRow, last = overlap.lastRow;
         const BrickRows turned =
             transposed.load(brick, fields.albedo[0].stride == 0, fields.source[0].stride == 0, first, last);
-        exchangeBrick<kModel, kChannels>(front, overlap, step, turned, rays);
+        exchangeBrick<kModel, kChannels>(front, overlap, step, turned, next, rays);
         transposed.store(brick, first, last);
     }
     rays.leave(kChannels, sums);
@@ -500,8 +521,8 @@ void nearestDispatched(const RayFront& front, const RayTile& tile, const Exchang
                                         : nearestChannels<MediumExchange::consistent>(front, tile, fields, step, sums);
 }
 
-void linearDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                      TileSums& sums) {
+void linearDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields,
+                      const ExchangeStep& step, TileSums& sums) {
     step.model == MediumExchange::paper ? linearChannels<MediumExchange::paper>(front, tile, fields, step, sums)
                                         : linearChannels<MediumExchange::consistent>(front, tile, fields, step, sums);
 }

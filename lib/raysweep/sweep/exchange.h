@@ -1,4 +1,5 @@
-/// What rays and voxels exchange (Dachille, Mueller and Kaufman 2000, Algorithm 1, as corrected in docs/illumination.md).
+/// What rays and voxels exchange (Dachille, Mueller and Kaufman 2000, Algorithm 1, as corrected in
+/// docs/illumination.md).
 ///
 /// Along a direction with step length `len`, a ray of power e meets a voxel of extinction s and unshot power U:
 ///
@@ -22,7 +23,7 @@ constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
 /// How a voxel of a medium scatters.
 enum class MediumExchange {
     consistent,  ///< the rule above
-    paper        ///< Algorithm 1 as printed: opacity of one voxel edge whatever the direction, albedo for g, out = zeta U
+    paper  ///< Algorithm 1 as printed: opacity of one voxel edge whatever the direction, albedo for g, out = zeta U
 };
 
 /// One float per voxel of every brick, or one brick of values that all share (`stride` 0).
@@ -34,10 +35,16 @@ struct BrickView {
     operator BrickView<const T>() const { return {data, stride}; }
 };
 
-inline BrickView<float> viewOf(BrickField& field) { return {field.brick(0), kBrickVoxels}; }
-inline BrickView<const float> viewOf(const BrickField& field) { return {field.brick(0), kBrickVoxels}; }
+inline BrickView<float> viewOf(BrickField& field) {
+    return {field.brick(0), kBrickVoxels};
+}
+inline BrickView<const float> viewOf(const BrickField& field) {
+    return {field.brick(0), kBrickVoxels};
+}
 /// The same brick for every one.
-inline BrickView<const float> sharedView(const BrickField& field) { return {field.brick(0), 0}; }
+inline BrickView<const float> sharedView(const BrickField& field) {
+    return {field.brick(0), 0};
+}
 
 /// The volume as the exchange sees it.
 struct ExchangeFields {
@@ -54,14 +61,14 @@ struct ExchangeFields {
 struct ExchangeStep {
     MediumExchange model = MediumExchange::consistent;
     EscapeFit escape;
-    float stepScale = 1;                   ///< step length / mean step length
-    float zeta = 0.5f;                     ///< part of the unshot power that is shot, (0,1]
-    float entering[kMaxChannels] = {0};    ///< power of a ray when it enters the volume, W
+    float stepScale = 1;                 ///< step length / mean step length
+    float zeta = 0.5f;                   ///< part of the unshot power that is shot, (0,1]
+    float entering[kMaxChannels] = {0};  ///< power of a ray when it enters the volume, W
 };
 
 /// Ray powers summed over a tile's rays at both ends, W.
 struct TileSums {
-    double rays = 0;                       ///< number of rays that entered
+    double rays = 0;  ///< number of rays that entered
     double escaped[kMaxChannels] = {0};
 };
 

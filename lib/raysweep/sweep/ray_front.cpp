@@ -43,7 +43,8 @@ RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int rea
     front.firstSlice = front.ascending ? layout.low[major] : layout.high[major] - 1;
     front.slices = layout.high[major] - layout.low[major];
     const auto lateral = [&](int axis, double offset) {
-        return Lateral{inIndex[axis] / perSlice, offset, layout.low[axis], layout.high[axis], periodic[std::size_t(axis)]};
+        return Lateral{inIndex[axis] / perSlice, offset, layout.low[axis], layout.high[axis],
+                       periodic[std::size_t(axis)]};
     };
     front.column = lateral(front.axis.column, offsetColumn);
     front.row = lateral(front.axis.row, offsetRow);

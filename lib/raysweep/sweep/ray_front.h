@@ -1,8 +1,9 @@
 /// A front of parallel rays that steps through a volume slice by slice.
 ///
-/// Rays form a lattice of one ray per voxel of a slice. From slice to slice all of them move sideways by the same slope,
-/// so ray (u,v) is at voxel coordinates (u + offset + k*slope) in the k-th slice, and the whole front is described by two
-/// shifts per slice. Lateral coordinates of rays and voxels are in voxels; k counts slices in the order of travel.
+/// Rays form a lattice of one ray per voxel of a slice. From slice to slice all of them move sideways by the same
+/// slope, so ray (u,v) is at voxel coordinates (u + offset + k*slope) in the k-th slice, and the whole front is
+/// described by two shifts per slice. Lateral coordinates of rays and voxels are in voxels; k counts slices in the
+/// order of travel.
 #pragma once
 
 #include "raysweep/sweep/axis.h"
@@ -30,13 +31,13 @@ struct Lateral {
 
 struct RayFront {
     SweepAxis axis;
-    bool ascending = true;     ///< slices in ascending order of the major coordinate
-    int firstSlice = 0;        ///< major coordinate of the first slice met
-    int slices = 0;            ///< number of slices of the volume
-    Lateral column, row;       ///< u and v
-    double stepLength = 0;     ///< world length of a ray in a slice
-    double crossSection = 0;   ///< world area per ray, perpendicular to the direction
-    int reach = 0;             ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
+    bool ascending = true;    ///< slices in ascending order of the major coordinate
+    int firstSlice = 0;       ///< major coordinate of the first slice met
+    int slices = 0;           ///< number of slices of the volume
+    Lateral column, row;      ///< u and v
+    double stepLength = 0;    ///< world length of a ray in a slice
+    double crossSection = 0;  ///< world area per ray, perpendicular to the direction
+    int reach = 0;            ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
 
     /// Slice number in the order of travel of the slice of `brickLow` (low corner) that is met first.
     int firstStep(int brickLow) const {

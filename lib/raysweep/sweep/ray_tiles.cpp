@@ -70,7 +70,8 @@ class TileNumbers {
     std::vector<int> colour_;
 };
 
-/// Calls `meet(low)` for the brick coordinate `low`, or in a periodic volume for each of its images, that meets rays of `cut`.
+/// Calls `meet(low)` for the brick coordinate `low`, or in a periodic volume for each of its images, that meets rays of
+/// `cut`.
 template <class Meet>
 void forEachImage(const RayFront& front, const Lateral& lateral, const Cut& cut, int low, int step, const Meet& meet) {
     if (!lateral.periodic) return meet(low);

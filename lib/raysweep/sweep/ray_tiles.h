@@ -1,5 +1,5 @@
-/// A ray front cut into tiles of rays, each with the bricks it meets. Rays do not touch each other, so a tile is stepped
-/// through the whole volume on its own, and only rays that meet a brick exist at all.
+/// A ray front cut into tiles of rays, each with the bricks it meets. Rays do not touch each other, so a tile is
+/// stepped through the whole volume on its own, and only rays that meet a brick exist at all.
 #pragma once
 
 #include "raysweep/sweep/ray_front.h"
@@ -23,7 +23,7 @@ struct BrickVisit {
 };
 
 struct RayTile {
-    RayRange columns, rows;           ///< lattice coordinates of its rays
+    RayRange columns, rows;             ///< lattice coordinates of its rays
     const BrickVisit* begin = nullptr;  ///< in the order of travel: no ray meets a brick before one upwind of it
     const BrickVisit* end = nullptr;
 };

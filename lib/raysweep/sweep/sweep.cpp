@@ -29,7 +29,8 @@ SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolatio
 }
 
 void settle(const SweepVolume& volume, const ExchangeFields& fields, const ExchangeStep& step) {
-    parallelFor(volume.layout.brickCount(), [&](std::size_t b) { settleBrick(fields, step, b); }, 16);
+    parallelFor(
+        volume.layout.brickCount(), [&](std::size_t b) { settleBrick(fields, step, b); }, 16);
 }
 
 }  // namespace raysweep

@@ -31,8 +31,8 @@ struct SweepTotals {
 };
 
 /// Sweeps the front through the volume. `step.entering` is what a ray carries when it enters the bounding box of the
-/// bricks. With `linear` deposits are left in `fields.fresh` for `settle`. The result has the same bits for any number of
-/// threads.
+/// bricks. With `linear` deposits are left in `fields.fresh` for `settle`. The result has the same bits for any number
+/// of threads.
 SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
                   const ExchangeFields& fields, const ExchangeStep& step);
 

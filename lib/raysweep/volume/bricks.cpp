@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,7 +17,9 @@ bool lessOrigin(const Index3& a, const Index3& b) {
     return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);
 }
 
-openvdb::Coord coordOf(const Index3& i) { return {i.x, i.y, i.z}; }
+openvdb::Coord coordOf(const Index3& i) {
+    return {i.x, i.y, i.z};
+}
 
 /// Calls `visit(box)` for the bounding box of every leaf with active voxels and every active tile.
 template <class GridType, class Visit>
@@ -57,7 +60,8 @@ void requireMemory(std::size_t bricks, std::size_t bytesPerVoxel) {
 
 Matrix3 linearPart(const openvdb::GridBase& grid) {
     if (!grid.transform().isLinear())
-        throw InvalidArgument("grid '" + grid.getName() + "' has a transform that is not linear (a frustum?); resample it");
+        throw InvalidArgument("grid '" + grid.getName() +
+                              "' has a transform that is not linear (a frustum?); resample it");
     const openvdb::Mat4R m = grid.transform().baseMap()->getAffineMap()->getMat4();
     Matrix3 linear;
     for (int row = 0; row < 3; ++row)
@@ -101,7 +105,8 @@ BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert
         const std::size_t end = std::min(layout.brickCount(), (chunk + 1) * kChunk);
         for (std::size_t b = chunk * kChunk; b < end; ++b) {
             float* brick = field.brick(b);
-            reader.read(layout.origins[b], [&](openvdb::Index offset, const auto& value) { brick[offset] = convert(value); });
+            reader.read(layout.origins[b],
+                        [&](openvdb::Index offset, const auto& value) { brick[offset] = convert(value); });
         }
     });
     return field;
@@ -110,12 +115,18 @@ BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert
 }  // namespace
 
 BrickField::BrickField(std::size_t brickCount) : brickCount_(brickCount) {
-    constexpr std::size_t kAlignment = 64;
-    const std::size_t brickBytes = kBrickVoxels * sizeof(float);
-    void* memory = std::aligned_alloc(kAlignment, std::max(brickCount, std::size_t(1)) * brickBytes);
+    // Large fields on large pages: a sweep walks through several fields at once, and page tables would be a cost of
+    // their own.
+    constexpr std::size_t kLine = 64, kLargePage = 2 << 20;
+    const std::size_t brickBytes = kBrickVoxels * sizeof(float),
+                      bytes = std::max(brickCount, std::size_t(1)) * brickBytes;
+    const std::size_t alignment = bytes >= kLargePage ? kLargePage : kLine;
+    void* memory = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
     if (!memory) throw std::bad_alloc();
+    if (alignment == kLargePage) ::madvise(memory, bytes, MADV_HUGEPAGE);
     data_.reset(static_cast<float*>(memory));
-    parallelFor(brickCount, [&](std::size_t b) { std::memset(brick(b), 0, brickBytes); }, 64);
+    parallelFor(
+        brickCount, [&](std::size_t b) { std::memset(brick(b), 0, brickBytes); }, 64);
 }
 
 BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, std::size_t bytesPerVoxel) {

@@ -4,8 +4,8 @@
 
 #include <openvdb/openvdb.h>
 
-extern template class openvdb::tree::Tree<
-    openvdb::tree::RootNode<openvdb::tree::InternalNode<openvdb::tree::InternalNode<openvdb::tree::LeafNode<float, 3>, 4>, 5>>>;
+extern template class openvdb::tree::Tree<openvdb::tree::RootNode<
+    openvdb::tree::InternalNode<openvdb::tree::InternalNode<openvdb::tree::LeafNode<float, 3>, 4>, 5>>>;
 extern template class openvdb::tree::Tree<openvdb::tree::RootNode<
     openvdb::tree::InternalNode<openvdb::tree::InternalNode<openvdb::tree::LeafNode<openvdb::Vec3s, 3>, 4>, 5>>>;
 extern template class openvdb::Grid<openvdb::FloatTree>;

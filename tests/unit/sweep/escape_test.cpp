@@ -9,7 +9,9 @@
 using namespace raysweep;
 
 namespace {
-Matrix3 scaled(double x, double y, double z) { return {x, 0, 0, 0, y, 0, 0, 0, z}; }
+Matrix3 scaled(double x, double y, double z) {
+    return {x, 0, 0, 0, y, 0, 0, 0, z};
+}
 }  // namespace
 
 TEST(Escape, OfACubeAgreesWithQuadrature) {

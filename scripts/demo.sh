@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# The main job from nothing: makes a cloud, lights it with sun and sky, and renders it with single scattering only and in
+# full. Pictures and volumes go to demo/ (or to the folder given).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=${1:-demo}
+size=${2:-200}
+
+scripts/build.sh >/dev/null
+raysweep=build/bin/raysweep
+mkdir -p "$out"
+
+light=(--extinction 30 --albedo 0.99 --sun 0.6,0.5,-0.75,5:1:0.92:0.8 --sky 0.22,0.32,0.5)
+view=(--size 960,640 --background 0.10,0.22,0.48 --samples 2 --exposure 0.3)
+
+$raysweep generate cloud -o "$out/cloud.vdb" --size "$size" --seed 7
+$raysweep light "$out/cloud.vdb" -o "$out/single.vdb" "${light[@]}" --sweeps 0
+$raysweep light "$out/cloud.vdb" -o "$out/full.vdb" "${light[@]}" --plot "$out/convergence.png" --report "$out/full.json"
+$raysweep render "$out/single.vdb" -o "$out/single.png" "${view[@]}"
+$raysweep render "$out/full.vdb" -o "$out/full.png" "${view[@]}"
+
+echo "single scattering only: $out/single.png"
+echo "full:                   $out/full.png"
+echo "convergence:            $out/convergence.png"
