@@ -1,11 +1,13 @@
 /// raysweep render: a picture, or a turntable of pictures, of a lit volume.
-#include "render_standin.h"
+#include "cli.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/vdb_io.h"
 
 #include <nlohmann/json.hpp>
 
