@@ -3,6 +3,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/image/compare.h"
+#include "raysweep/image/image_io.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/statistics.h"
 
@@ -57,7 +59,12 @@ json compareVolumes(const CompareOptions& options) {
 }
 
 json compareImageFiles(const CompareOptions& options) {
-    throw InvalidArgument("cannot compare '" + options.file + "': only .vdb files are supported by this build");
+    const ImageDifference d = compareImages(readImage(options.file), readImage(options.reference));
+    return {{"rmse", finiteOrNull(d.rmse)},
+            {"relative_rmse", finiteOrNull(d.relativeRmse)},
+            {"psnr", finiteOrNull(d.psnr)},
+            {"ssim", finiteOrNull(d.ssim)},
+            {"max", finiteOrNull(d.maxDifference)}};
 }
 
 std::string toText(const json& value) {

@@ -351,8 +351,8 @@ TEST(Render, ColouredRadiosityKeepsItsChannels) {
     EXPECT_EQ(image.pixels[2], 0);
 }
 
-// L = integral of S(s) sigma exp(-sigma s) ds for S = s (from the entry) is (1 - (1 + tau) exp(-tau)) / sigma. S is
-// linear in space, so a grid four times as coarse and turned holds exactly the same function.
+// L = integral of S(s) sigma exp(-sigma s) ds for S = s + 200 (s from the entry) is (1 - (1 + tau) exp(-tau)) / sigma +
+// 200 alpha. S is linear in space, so a grid four times as coarse and turned holds exactly the same function.
 TEST(Render, RadiosityMayHaveAnotherTransform) {
     const auto density = box({Coord(0), Coord(39)}, 1);
     FloatGrid::Ptr coarse = FloatGrid::create();
@@ -363,14 +363,15 @@ TEST(Render, RadiosityMayHaveAnotherTransform) {
     auto accessor = coarse->getAccessor();
     const CoordBBox all(Coord(-20), Coord(20));
     for (auto ijk = all.begin(); ijk != all.end(); ++ijk)
-        accessor.setValue(*ijk, float(coarse->indexToWorld(*ijk).y() + 0.5));
+        accessor.setValue(*ijk, float(coarse->indexToWorld(*ijk).y() + 200.5));
     const double sigma = 0.05, tau = 40 * sigma;
     RenderOptions options;
-    options.step = 0.125;  // the half voxel of ramp before the entry, where S < 0, matters in second order
+    options.step = 0.125;  // the ramps before entry and exit matter in second order
     const Image image =
         render(input(density, sigma, coarse), parallelCamera(Vec3(20, -50, 20), Vec3(20, 0, 20), 8, 3), options).image;
     const double expected = (1 - (1 + tau) * std::exp(-tau)) / sigma;
-    for (int p = 0; p < 9; ++p) EXPECT_NEAR(image.pixels[4 * p], expected, 1e-3 * expected);
+    for (int p = 0; p < 9; ++p)
+        EXPECT_NEAR(image.pixels[4 * p] - 200 * image.pixels[4 * p + 3], expected, 1e-3 * expected);
 }
 
 // Density grows along k, so the normal is -k everywhere; voxels twice as long in k than in i test that it is a normal
@@ -462,7 +463,7 @@ TEST(Render, StopsWhenAskedTo) {
     EXPECT_EQ(result.image.pixels.size(), 512u * 512 * 4);
 }
 
-TEST(Render, RefusesBadDensityAndNamesTheVoxel) {
+TEST(Render, RefusesBadValuesAndNamesTheVoxel) {
     for (float bad : {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
         const auto density = box({Coord(0), Coord(9)}, 1);
         density->tree().setValue(Coord(3, 4, 5), bad);
@@ -470,12 +471,13 @@ TEST(Render, RefusesBadDensityAndNamesTheVoxel) {
             render(input(density, 1), Camera());
             FAIL();
         } catch (const InvalidArgument& e) {
-            EXPECT_NE(std::string(e.what()).find("[3, 4, 5]"), std::string::npos) << e.what();
+            EXPECT_NE(std::string(e.what()).find("(3, 4, 5)"), std::string::npos) << e.what();
         }
     }
     FloatGrid::Ptr tile = FloatGrid::create();
     tile->tree().addTile(2, Coord(0), -1, true);
     EXPECT_THROW(render(input(tile, 1), Camera()), InvalidArgument);
+    EXPECT_THROW(render(input(box({Coord(0), Coord(9)}, 1), 1, tile), Camera()), InvalidArgument);
 }
 
 TEST(Render, RefusesWhatItCannotRender) {

@@ -1,12 +1,9 @@
 #include "raysweep/render/occupancy.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
 #include <atomic>
-#include <cmath>
 #include <cstdint>
-#include <sstream>
 #include <vector>
 
 namespace raysweep {
@@ -25,16 +22,6 @@ constexpr int kBlock = 8;  // voxels along a leaf's side
 /// cells before it, which lie in the neighbouring leaf.
 enum LeafContent : std::uint8_t { kAny = 8, kFaceX = 4, kFaceY = 2, kFaceZ = 1 };
 
-bool isValid(float density) {
-    return density >= 0 && std::isfinite(density);
-}
-
-[[noreturn]] void refuse(const Coord& voxel, float density) {
-    std::ostringstream message;
-    message << "density at voxel " << voxel << " is " << density << ": must be finite and not negative";
-    throw InvalidArgument(message.str());
-}
-
 std::uint8_t content(const Leaf& leaf) {
     std::uint8_t result = 0;
     for (auto value = leaf.cbeginValueOn(); value; ++value) {
@@ -46,18 +33,6 @@ std::uint8_t content(const Leaf& leaf) {
         if ((offset & 7) == 0) result |= kFaceZ;
     }
     return result;
-}
-
-void requireValid(const std::vector<const Leaf*>& leaves) {
-    std::vector<std::uint8_t> bad(leaves.size());
-    parallelFor(leaves.size(), [&](std::size_t i) {
-        for (auto value = leaves[i]->cbeginValueOn(); value; ++value) bad[i] |= !isValid(*value);
-    });
-    for (std::size_t i = 0; i < leaves.size(); ++i) {
-        if (!bad[i]) continue;
-        for (auto value = leaves[i]->cbeginValueOn(); value; ++value)
-            if (!isValid(*value)) refuse(value.getCoord(), *value);
-    }
 }
 
 void markBlock(Accessor& marks, const Coord& origin) {
@@ -102,7 +77,6 @@ void markTiles(Accessor& marks, const FloatGrid& density) {
     for (; tile; ++tile) {
         CoordBBox box;
         tile.getBoundingBox(box);
-        if (!isValid(*tile)) refuse(box.min(), *tile);
         if (*tile != 0) markTile(marks, box, int(tile.getLevel()));
     }
 }
@@ -131,7 +105,6 @@ std::vector<const Leaf*> leavesOf(const FloatGrid& density) {
 
 openvdb::FloatTree::Ptr occupancy(const FloatGrid& density) {
     const std::vector<const Leaf*> leaves = leavesOf(density);
-    requireValid(leaves);
     std::vector<std::uint8_t> held(leaves.size());
     parallelFor(leaves.size(), [&](std::size_t i) { held[i] = content(*leaves[i]); });
 

@@ -9,7 +9,6 @@ namespace raysweep {
 /// voxel centres, can differ from 0. It has no leaves: 8 bytes per block, whatever the density holds. In this tree's
 /// eyes voxel (i,j,k) is the cell [i,i+1) x [j,j+1) x [k,k+1) between eight centres, as math::VolumeHDDA assumes.
 /// Active tiles of `density` count as its voxels do.
-/// @throw InvalidArgument naming the first active value that is NaN, infinite or negative.
 openvdb::FloatTree::Ptr occupancy(const openvdb::FloatGrid& density);
 
 /// `density` itself if it is 0 wherever it is inactive, else a copy in which it is. A level set or a careless tool may

@@ -7,6 +7,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/render/occupancy.h"
 #include "raysweep/render/sampler.h"
+#include "raysweep/volume/voxel_check.h"
 
 #include <openvdb/math/DDA.h>
 #include <openvdb/math/Ray.h>
@@ -225,6 +226,8 @@ template <class RadiosityGrid>
 bool renderGrid(const RenderInput& input, const FloatGrid& density, const RadiosityGrid& radiosity,
                 const CameraFrame& frame, const RenderOptions& options, const ProgressCallback& progress,
                 Image& image) {
+    checkVoxels(*input.density, "density");
+    checkVoxels(radiosity, "radiosity");
     const FloatTree::Ptr occupied = occupancy(density);
     openvdb::CoordBBox bounds;
     occupied->evalActiveVoxelBoundingBox(bounds);

@@ -14,9 +14,9 @@ struct RenderInput {
     /// Non-negative and finite where active, 0 elsewhere (other inactive values count as 0); any linear transform.
     openvdb::FloatGrid::ConstPtr density;
     double extinctionScale = 1;  ///< extinction per unit density, 1/world unit, not negative
-    /// Source radiance S, W/m^2/sr: FloatGrid or Vec3SGrid, finite; any linear transform. It should reach one voxel
-    /// beyond `density`, or edges are mixed with its background. An empty grid with background 1 makes S = 1
-    /// everywhere.
+    /// Source radiance S, W/m^2/sr: FloatGrid or Vec3SGrid, non-negative and finite; any linear transform. It should
+    /// reach one voxel beyond `density`, or edges are mixed with its background. An empty grid with background 1 makes
+    /// S = 1 everywhere.
     openvdb::GridBase::ConstPtr radiosity;
 };
 
@@ -55,7 +55,7 @@ struct RenderResult {
 ///
 /// The same bits for any number of threads.
 /// @param progress called between groups of image tiles; when it returns false the picture is returned as it is.
-/// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative density
+/// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative values
 /// (with its voxel), and options or camera out of range.
 RenderResult render(const RenderInput& input, const Camera& camera, const RenderOptions& options = {},
                     const ProgressCallback& progress = {});
