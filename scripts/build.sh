@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Release build into build/; the command is build/bin/raysweep.
+# Release build into build/; the command is build/bin/raysweep. Arguments go to cmake --build (--target raysweep_app: just that).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/setup.sh

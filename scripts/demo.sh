@@ -6,12 +6,12 @@ cd "$(dirname "$0")/.."
 out=${1:-demo}
 size=${2:-200}
 
-scripts/build.sh >/dev/null
+scripts/build.sh --target raysweep_app >/dev/null
 raysweep=build/bin/raysweep
 mkdir -p "$out"
 
-light=(--extinction 30 --albedo 0.99 --sun 0.6,0.5,-0.75,5:1:0.92:0.8 --sky 0.22,0.32,0.5)
-view=(--size 960,640 --background 0.10,0.22,0.48 --samples 2 --exposure 0.3)
+light=(--extinction 40 --albedo 0.99 --sun 0.75,0.35,-0.6,4:1:0.9:0.75 --sky 0.16,0.24,0.4)
+view=(--size 960,540 --eye=-1.2,-4.6,-0.15 --target 0,0,0.03 --fov 17 --background 0.10,0.20,0.42 --samples 2 --exposure=-0.4)
 
 $raysweep generate cloud -o "$out/cloud.vdb" --size "$size" --seed 7
 $raysweep light "$out/cloud.vdb" -o "$out/single.vdb" "${light[@]}" --sweeps 0

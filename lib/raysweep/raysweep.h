@@ -1,0 +1,17 @@
+/// Raysweep: light transport and reconstruction in sparse volumes.
+///
+/// One call lights a volume: illuminate(scene, options). To see how it works, read in this order: sweep/ray_front.h (a front
+/// of rays), sweep/ray_tiles.h (what of it is made), sweep/exchange.h (what rays and voxels exchange), illuminate/illuminate.h
+/// (what is iterated). Quantities and units: docs/units.md.
+#pragma once
+
+#include "raysweep/camera/camera.h"
+#include "raysweep/illuminate/illuminate.h"
+#include "raysweep/image/compare.h"
+#include "raysweep/image/image_io.h"
+#include "raysweep/render/render.h"
+#include "raysweep/scene/scene.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/phantom.h"
+#include "raysweep/volume/vdb_io.h"
+#include "raysweep/volume/voxel_check.h"

@@ -1,0 +1,57 @@
+// Data flows one way: a module includes only itself and those above it in the list.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::vector<std::string> kModules = {"core", "image", "volume", "camera", "sweep", "scene", "illuminate", "render"};
+
+std::size_t rankOf(const std::string& module) {
+    return std::size_t(std::find(kModules.begin(), kModules.end(), module) - kModules.begin());
+}
+
+/// Module named in a line `#include "raysweep/module/..."`; empty for other lines.
+std::string includedModule(const std::string& line) {
+    const std::string start = "#include \"raysweep/";
+    if (line.rfind(start, 0) != 0) return "";
+    return line.substr(start.size(), line.find('/', start.size()) - start.size());
+}
+
+}  // namespace
+
+TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
+    const fs::path library = fs::path(RAYSWEEP_SOURCE_DIR) / "lib" / "raysweep";
+    int files = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(library)) {
+        if (!entry.is_regular_file() || entry.path().parent_path() == library) continue;
+        const std::string module = fs::relative(entry.path(), library).begin()->string();
+        ASSERT_LT(rankOf(module), kModules.size()) << entry.path() << ": a module that is not in the list";
+        std::ifstream source(entry.path());
+        for (std::string line; std::getline(source, line);) {
+            const std::string included = includedModule(line);
+            if (!included.empty()) EXPECT_LE(rankOf(included), rankOf(module)) << entry.path() << ": " << line;
+        }
+        ++files;
+    }
+    EXPECT_GT(files, 20);
+}
+
+TEST(Layering, OneFileEachSeesThreadsAndPictures) {
+    const fs::path library = fs::path(RAYSWEEP_SOURCE_DIR) / "lib" / "raysweep";
+    for (const auto& entry : fs::recursive_directory_iterator(library)) {
+        if (!entry.is_regular_file()) continue;
+        std::ifstream source(entry.path());
+        for (std::string line; std::getline(source, line);) {
+            if (line.rfind("#include", 0) != 0) continue;
+            if (line.find("tbb/") != std::string::npos) EXPECT_EQ(entry.path().filename(), "parallel.h") << line;
+            if (line.find("OpenImageIO") != std::string::npos) EXPECT_EQ(entry.path().filename(), "image_io.cpp") << line;
+        }
+    }
+}
