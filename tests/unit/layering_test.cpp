@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::vector<std::string> kModules = {"core", "image", "volume", "camera", "sweep", "scene", "illuminate", "render"};
+const std::vector<std::string> kModules = {"core",  "image", "volume",     "camera",
+                                           "sweep", "scene", "illuminate", "render"};
 
 std::size_t rankOf(const std::string& module) {
     return std::size_t(std::find(kModules.begin(), kModules.end(), module) - kModules.begin());
@@ -51,7 +52,8 @@ TEST(Layering, OneFileEachSeesThreadsAndPictures) {
         for (std::string line; std::getline(source, line);) {
             if (line.rfind("#include", 0) != 0) continue;
             if (line.find("tbb/") != std::string::npos) EXPECT_EQ(entry.path().filename(), "parallel.h") << line;
-            if (line.find("OpenImageIO") != std::string::npos) EXPECT_EQ(entry.path().filename(), "image_io.cpp") << line;
+            if (line.find("OpenImageIO") != std::string::npos)
+                EXPECT_EQ(entry.path().filename(), "image_io.cpp") << line;
         }
     }
 }

@@ -11,8 +11,12 @@ namespace raysweep {
 class FlushDenormals {
   public:
 #if defined(__SSE2__)
-    FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | kFlushToZero | kDenormalsAreZero); }
-    ~FlushDenormals() { _mm_setcsr(before_); }
+    FlushDenormals() : before_(_mm_getcsr()) {
+        _mm_setcsr(before_ | kFlushToZero | kDenormalsAreZero);
+    }
+    ~FlushDenormals() {
+        _mm_setcsr(before_);
+    }
 
   private:
     static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040;

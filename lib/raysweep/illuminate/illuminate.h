@@ -34,8 +34,9 @@ struct IlluminateOptions {
     Interpolation interpolation = Interpolation::nearest;
     MediumExchange exchange = MediumExchange::consistent;
     DirectionSet directions = DirectionSet::fibonacci;
-    int batch = 32;                          ///< directions per shuffled, rotated Fibonacci batch, >= 1
-    std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits
+    int batch = 32;          ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
+                             ///< large as all before it
+    std::uint64_t seed = 1;  ///< of directions and offsets; the same seed gives the same bits
     Periodic periodic{false, false, false};  ///< axes of index space along which the bricks' bounding box repeats
     /// Called after each `snapshotEvery` sweeps (0: never) with the number of sweeps and the estimate of radiosity so
     /// far, unshot power spread.

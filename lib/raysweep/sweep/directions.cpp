@@ -11,6 +11,8 @@ Vec3 onSphere(double z, double azimuth) {
     return {r * std::cos(azimuth), r * std::sin(azimuth), z};
 }
 
+constexpr std::size_t kLargestBatch = 1u << 16;  ///< of batches that have grown
+
 double fraction(double x) {
     return x - std::floor(x);
 }
@@ -39,11 +41,13 @@ Matrix3 randomRotation(std::mt19937_64& random) {
 }
 
 DirectionSequence::DirectionSequence(DirectionSet set, int batch, std::uint64_t seed)
-    : set_(set), points_(sphericalFibonacci(batch)), random_(seed) {}
+    : set_(set), batch_(std::size_t(batch)), random_(seed) {}
 
 void DirectionSequence::refill() {
     const Matrix3 rotation = randomRotation(random_);
-    shuffled_ = points_;
+    const std::size_t size = drawn_ == 0 ? batch_ : std::min(drawn_, std::max(batch_, kLargestBatch));
+    shuffled_ = sphericalFibonacci(int(size));
+    drawn_ += size;
     for (Vec3& point : shuffled_) point = point * rotation;
     // Fisher-Yates by hand: std::shuffle is not the same on every platform.
     for (std::size_t i = shuffled_.size() - 1; i > 0; --i)
