@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/sweep/diverging_front.h"
+#include "raysweep/volume/brick_grids.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>

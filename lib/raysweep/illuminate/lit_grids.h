@@ -1,7 +1,7 @@
 /// Fields of the solver as grids for users.
 #pragma once
 
-#include "raysweep/volume/bricks.h"
+#include "raysweep/volume/brick_grids.h"
 
 #include <vector>
 

@@ -1,6 +1,7 @@
 #include "raysweep/illuminate/state.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/brick_grids.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>

@@ -1,118 +1,14 @@
 #include "raysweep/volume/bricks.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
+#include <new>
 
 namespace raysweep {
-namespace {
-
-bool lessOrigin(const Index3& a, const Index3& b) {
-    return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);
-}
-
-openvdb::Coord coordOf(const Index3& i) {
-    return {i.x, i.y, i.z};
-}
-
-/// Calls `visit(box)` for the bounding box of every leaf with active voxels and every active tile.
-template <class GridType, class Visit>
-void forEachActiveBlock(const GridType& grid, const Visit& visit) {
-    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
-        if (!leaf->isEmpty()) visit(leaf->getNodeBoundingBox());
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(GridType::TreeType::DEPTH - 2);
-    for (; tile; ++tile) visit(tile.getBoundingBox());
-}
-
-/// Calls `visit` with the grid as what it is. @throw InvalidArgument for other types.
-template <class Visit>
-void withTypedGrid(const openvdb::GridBase& grid, const Visit& visit) {
-    if (grid.isType<openvdb::FloatGrid>())
-        visit(static_cast<const openvdb::FloatGrid&>(grid));
-    else if (grid.isType<openvdb::Vec3SGrid>())
-        visit(static_cast<const openvdb::Vec3SGrid&>(grid));
-    else
-        throw InvalidArgument("grid '" + grid.getName() + "' is of type " + grid.type() +
-                              "; only float and vec3s grids can be used here");
-}
-
-std::size_t brickCountOf(const openvdb::CoordBBox& box) {
-    const openvdb::Coord size = box.dim();
-    return (std::size_t(size.x()) / kBrickEdge) * (std::size_t(size.y()) / kBrickEdge) *
-           (std::size_t(size.z()) / kBrickEdge);
-}
-
-void requireMemory(std::size_t bricks, std::size_t bytesPerVoxel) {
-    const double needed = double(bricks) * kBrickVoxels * double(bytesPerVoxel);
-    const double available = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-    if (needed > available)
-        throw InvalidArgument("the volume's " + std::to_string(bricks) + " blocks of 8x8x8 voxels need " +
-                              std::to_string(std::size_t(needed / 1e9)) + " GB, this machine has " +
-                              std::to_string(std::size_t(available / 1e9)) + " GB; use a coarser grid");
-}
-
-Matrix3 linearPart(const openvdb::GridBase& grid) {
-    if (!grid.transform().isLinear())
-        throw InvalidArgument("grid '" + grid.getName() +
-                              "' has a transform that is not linear (a frustum?); resample it");
-    const openvdb::Mat4R m = grid.transform().baseMap()->getAffineMap()->getMat4();
-    Matrix3 linear;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) linear[row][column] = m(row, column);
-    const auto edge = [&](int i) { return Vec3(linear[i][0], linear[i][1], linear[i][2]).length(); };
-    const double longest = std::max({edge(0), edge(1), edge(2)});
-    if (!(std::abs(linear.determinant()) > 1e-9 * longest * longest * longest))
-        throw InvalidArgument("grid '" + grid.getName() + "' has a singular transform: its voxels have no volume");
-    return linear;
-}
-
-/// Reads the voxels of one brick after another, with a cached path to the last one.
-template <class GridType>
-class BrickReader {
-  public:
-    explicit BrickReader(const GridType& grid) : accessor_(grid.tree()) {}
-
-    /// Calls `put(offset, value)` for each active voxel.
-    template <class Put>
-    void read(const Index3& origin, const Put& put) {
-        const openvdb::Coord corner = coordOf(origin);
-        if (const auto* leaf = accessor_.probeConstLeaf(corner)) {
-            for (auto value = leaf->cbeginValueOn(); value; ++value) put(value.pos(), *value);
-            return;
-        }
-        typename GridType::ValueType value;
-        if (accessor_.probeValue(corner, value))
-            for (openvdb::Index offset = 0; offset < kBrickVoxels; ++offset) put(offset, value);
-    }
-
-  private:
-    typename GridType::ConstUnsafeAccessor accessor_;
-};
-
-template <class GridType, class Convert>
-BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert& convert) {
-    BrickField field(layout.brickCount());
-    constexpr std::size_t kChunk = 64;
-    parallelFor((layout.brickCount() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-        BrickReader<GridType> reader(grid);
-        const std::size_t end = std::min(layout.brickCount(), (chunk + 1) * kChunk);
-        for (std::size_t b = chunk * kChunk; b < end; ++b) {
-            float* brick = field.brick(b);
-            reader.read(layout.origins[b],
-                        [&](openvdb::Index offset, const auto& value) { brick[offset] = convert(value); });
-        }
-    });
-    return field;
-}
-
-}  // namespace
 
 BrickField::BrickField(std::size_t brickCount) : brickCount_(brickCount) {
     // Large fields on large pages: a sweep walks through several fields at once, and page tables would be a cost of
@@ -127,62 +23,6 @@ BrickField::BrickField(std::size_t brickCount) : brickCount_(brickCount) {
     data_.reset(static_cast<float*>(memory));
     parallelFor(
         brickCount, [&](std::size_t b) { std::memset(brick(b), 0, brickBytes); }, 64);
-}
-
-BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, std::size_t bytesPerVoxel) {
-    BrickLayout layout;
-    layout.worldFromIndex = linearPart(*grids.front());
-    layout.voxelVolume = std::abs(layout.worldFromIndex.determinant());
-    layout.activeVoxels = grids.front()->activeVoxelCount();
-    std::size_t bound = 0;
-    for (const auto& grid : grids) {
-        if (grid->transform() != grids.front()->transform())
-            throw InvalidArgument("grids '" + grid->getName() + "' and '" + grids.front()->getName() +
-                                  "' have different transforms; resample one onto the other");
-        withTypedGrid(*grid, [&](const auto& typed) {
-            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bound += brickCountOf(box); });
-        });
-    }
-    requireMemory(bound, bytesPerVoxel);
-
-    layout.origins.reserve(bound);
-    for (const auto& grid : grids)
-        withTypedGrid(*grid, [&](const auto& typed) {
-            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) {
-                for (int x = box.min().x(); x <= box.max().x(); x += kBrickEdge)
-                    for (int y = box.min().y(); y <= box.max().y(); y += kBrickEdge)
-                        for (int z = box.min().z(); z <= box.max().z(); z += kBrickEdge)
-                            layout.origins.emplace_back(x, y, z);
-            });
-        });
-    std::sort(layout.origins.begin(), layout.origins.end(), lessOrigin);
-    layout.origins.erase(std::unique(layout.origins.begin(), layout.origins.end()), layout.origins.end());
-
-    if (layout.origins.empty()) return layout;
-    layout.low = layout.high = layout.origins.front();
-    for (const Index3& origin : layout.origins)
-        for (int axis = 0; axis < 3; ++axis) {
-            layout.low[axis] = std::min(layout.low[axis], origin[axis]);
-            layout.high[axis] = std::max(layout.high[axis], origin[axis] + kBrickEdge);
-        }
-    return layout;
-}
-
-BrickField gatherField(const BrickLayout& layout, const openvdb::FloatGrid& grid, double scale) {
-    return gather(layout, grid, [scale](float value) { return float(value * scale); });
-}
-
-BrickField gatherChannel(const BrickLayout& layout, const openvdb::GridBase& grid, int channel, double scale) {
-    if (grid.isType<openvdb::FloatGrid>())
-        return gatherField(layout, static_cast<const openvdb::FloatGrid&>(grid), scale);
-    return gather(layout, dynamic_cast<const openvdb::Vec3SGrid&>(grid),
-                  [channel, scale](const openvdb::Vec3s& value) { return float(value[channel] * scale); });
-}
-
-BrickMask activeMask(const BrickLayout& layout, const openvdb::FloatGrid& topology, std::size_t b) {
-    const openvdb::Coord corner = coordOf(layout.origins[b]);
-    if (const auto* leaf = topology.tree().probeConstLeaf(corner)) return leaf->valueMask();
-    return BrickMask(topology.tree().isValueOn(corner));
 }
 
 }  // namespace raysweep

@@ -1,0 +1,221 @@
+// The exchange between rays and voxels: Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections of
+// docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
+#include "raysweep/sweep/exchange.h"
+#include "raysweep/sweep/tile_rays.h"
+
+#include <hwy/cache_control.h>
+
+#include "raysweep/sweep/simd_targets.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raysweep/sweep/exchange_nearest.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "raysweep/sweep/exchange_terms-inl.h"
+#include "raysweep/sweep/transpose-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raysweep {
+namespace HWY_NAMESPACE {
+namespace {
+
+using Mask = hn::Mask<Lanes>;
+
+HWY_INLINE void requireNonNegative(Vec value) {
+    (void)value;
+    HWY_DASSERT(hn::AllTrue(kLanes, hn::Ge(value, hn::Zero(kLanes))));
+}
+
+/// Pointers to the 512 values of one brick, in the order of the sweep.
+struct BrickRows {
+    const float* tau;
+    const float* albedo[kMaxChannels];
+    const float* source[kMaxChannels];
+    float* unshot[kMaxChannels];
+    float* deposit[kMaxChannels];
+};
+
+/// Lanes [begin, end) of a row.
+HWY_INLINE Mask lanesBetween(int lane, int begin, int end) {
+    const Vec index = hn::Iota(kLanes, float(lane));
+    return hn::And(hn::Ge(index, hn::Set(kLanes, float(begin))), hn::Lt(index, hn::Set(kLanes, float(end))));
+}
+
+/// Eight voxels of a slice and the eight rays at them. `rays` is the first channel's; the next are `raysStride` on.
+/// With kClipped only lanes [begin, end) take part.
+template <MediumExchange kModel, int kChannels, bool kClipped>
+HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, int at, float* HWY_RESTRICT rays,
+                            std::size_t raysStride, int begin, int end) {
+    for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+        const Vec tau = hn::Load(kLanes, brick.tau + at + lane);
+        RowTerms terms = rowTerms<kModel>(step, tau);
+        Mask taking{};
+        if (kClipped) {
+            taking = lanesBetween(lane, begin, end);
+            terms.opacity = hn::IfThenElseZero(taking, terms.opacity);
+            terms.shot = hn::IfThenElseZero(taking, terms.shot);
+        }
+        for (int c = 0; c < kChannels; ++c) {
+            float* const unshot = brick.unshot[c] + at + lane;
+            float* const deposit = brick.deposit[c] + at + lane;
+            float* const ray = rays + std::size_t(c) * raysStride + lane;
+            const Vec e = hn::LoadU(kLanes, ray);
+            const Vec U = hn::Load(kLanes, unshot);
+            Vec added = hn::Load(kLanes, brick.source[c] + at + lane);
+            if (kClipped) added = hn::IfThenElseZero(taking, added);
+            const Vec g = effectiveAlbedo(terms, hn::Load(kLanes, brick.albedo[c] + at + lane));
+            const Vec in = hn::Mul(e, terms.opacity);
+            const Vec out = hn::Mul(U, terms.shot);
+            const Vec newRay = hn::Add(hn::Sub(e, in), out);
+            const Vec newUnshot = hn::MulAdd(g, in, hn::Add(hn::Sub(U, out), added));
+            requireNonNegative(newRay);
+            requireNonNegative(newUnshot);
+            hn::Store(newUnshot, kLanes, unshot);
+            hn::Store(hn::Add(hn::Load(kLanes, deposit), in), kLanes, deposit);
+            hn::StoreU(newRay, kLanes, ray);
+        }
+    }
+}
+
+/// Copies of a brick's fields, transposed so that a z-slice has its rows (of y) contiguous.
+template <int kChannels>
+struct TransposedBrick {
+    HWY_ALIGN float tau[kBrickVoxels];
+    HWY_ALIGN float albedo[kChannels][kBrickVoxels];
+    HWY_ALIGN float source[kChannels][kBrickVoxels];
+    HWY_ALIGN float unshot[kChannels][kBrickVoxels];
+    HWY_ALIGN float deposit[kChannels][kBrickVoxels];
+
+    BrickRows load(const BrickRows& from, bool uniformAlbedo, bool uniformSource, int first, int last) {
+        BrickRows rows = from;
+        transposePlanes(from.tau, tau, first, last);
+        rows.tau = tau;
+        for (int c = 0; c < kChannels; ++c) {
+            // One brick shared by all holds one value: it is its own transpose.
+            if (!uniformAlbedo) {
+                transposePlanes(from.albedo[c], albedo[c], first, last);
+                rows.albedo[c] = albedo[c];
+            }
+            if (!uniformSource) {
+                transposePlanes(from.source[c], source[c], first, last);
+                rows.source[c] = source[c];
+            }
+            transposePlanes(from.unshot[c], unshot[c], first, last);
+            transposePlanes(from.deposit[c], deposit[c], first, last);
+            rows.unshot[c] = unshot[c];
+            rows.deposit[c] = deposit[c];
+        }
+        return rows;
+    }
+
+    void store(const BrickRows& to, int first, int last) const {
+        for (int c = 0; c < kChannels; ++c) {
+            transposePlanes(unshot[c], to.unshot[c], first, last);
+            transposePlanes(deposit[c], to.deposit[c], first, last);
+        }
+    }
+};
+
+/// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
+template <int kChannels>
+HWY_INLINE void prefetchEighth(const BrickRows& next, int j) {
+    constexpr int kEighth = kBrickVoxels / kBrickEdge, kLine = 16;
+    for (int i = j * kEighth; i < (j + 1) * kEighth; i += kLine) {
+        hwy::Prefetch(next.tau + i);
+        for (int c = 0; c < kChannels; ++c) {
+            hwy::Prefetch(next.unshot[c] + i);
+            hwy::Prefetch(next.deposit[c] + i);
+            hwy::Prefetch(next.source[c] + i);
+        }
+    }
+}
+
+template <MediumExchange kModel, int kChannels>
+HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, const ExchangeStep& step,
+                              const BrickRows& brick, const BrickRows& next, TileRays& rays) {
+    const int columns = rays.columns();
+    for (int j = 0; j < kBrickEdge; ++j) {
+        prefetchEighth<kChannels>(next, j);
+        if (overlap.missesColumns(j, columns, 0)) continue;
+        const int column = overlap.column[j], row = overlap.row[j];
+        const int first = std::max(0, -row), last = std::min(kBrickEdge, rays.rows() - row) - 1;
+        int at = overlap.slice[j] * front.axis.sliceStride + first * front.axis.rowStride;
+        for (int r = first; r <= last; ++r, at += front.axis.rowStride) {
+            float* const ray = rays.row(row + r) + column;
+            if (overlap.clipped)
+                exchangeRow<kModel, kChannels, true>(step, brick, at, ray, rays.planeStride(), -column,
+                                                     columns - column);
+            else
+                exchangeRow<kModel, kChannels, false>(step, brick, at, ray, rays.planeStride(), 0, kBrickEdge);
+        }
+    }
+}
+
+template <int kChannels>
+HWY_INLINE BrickRows brickRows(const ExchangeFields& fields, std::size_t b) {
+    BrickRows rows{};
+    rows.tau = fields.tau.brick(b);
+    for (int c = 0; c < kChannels; ++c) {
+        rows.albedo[c] = fields.albedo[c].brick(b);
+        rows.source[c] = fields.source[c].brick(b);
+        rows.unshot[c] = fields.unshot[c].brick(b);
+        rows.deposit[c] = fields.deposit[c].brick(b);
+    }
+    return rows;
+}
+
+template <MediumExchange kModel, int kChannels>
+void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+                 TileSums& sums) {
+    TileRays rays(tile, kChannels);
+    rays.enter(front, tile, fields, step, sums);
+    TransposedBrick<kChannels> transposed;
+    for (const BrickVisit* visit = tile.begin; visit != tile.end; ++visit) {
+        const Overlap overlap(front, tile, *visit);
+        if (overlap.lastRow < overlap.firstRow) continue;
+        const BrickRows brick = brickRows<kChannels>(fields, visit->brick);
+        const BrickRows next = brickRows<kChannels>(fields, (visit + 1 == tile.end ? visit : visit + 1)->brick);
+        if (!front.axis.transposed) {
+            exchangeBrick<kModel, kChannels>(front, overlap, step, brick, next, rays);
+            continue;
+        }
+        const int first = overlap.firstRow, last = overlap.lastRow;
+        const BrickRows turned =
+            transposed.load(brick, fields.albedo[0].stride == 0, fields.source[0].stride == 0, first, last);
+        exchangeBrick<kModel, kChannels>(front, overlap, step, turned, next, rays);
+        transposed.store(brick, first, last);
+    }
+    rays.leave(front, tile, fields, sums);
+}
+
+template <MediumExchange kModel>
+void nearestChannels(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+                     TileSums& sums) {
+    fields.channels == 1 ? nearestTile<kModel, 1>(front, tile, fields, step, sums)
+                         : nearestTile<kModel, 3>(front, tile, fields, step, sums);
+}
+
+}  // namespace
+
+void nearestDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields,
+                       const ExchangeStep& step, TileSums& sums) {
+    step.model == MediumExchange::paper ? nearestChannels<MediumExchange::paper>(front, tile, fields, step, sums)
+                                        : nearestChannels<MediumExchange::consistent>(front, tile, fields, step, sums);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace raysweep
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace raysweep {
+
+HWY_EXPORT(nearestDispatched);
+
+void exchangeNearest(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+                     TileSums& sums) {
+    HWY_DYNAMIC_DISPATCH(nearestDispatched)(front, tile, fields, step, sums);
+}
+
+}  // namespace raysweep
+#endif  // HWY_ONCE

@@ -1,0 +1,55 @@
+/// The rays of one tile while they go through the volume.
+#pragma once
+
+#include "raysweep/sweep/exchange.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace raysweep {
+
+/// Energies of a tile's rays, in rows that are padded on both sides by what a brick may overhang.
+class TileRays {
+  public:
+    TileRays(const RayTile& tile, int channels);
+
+    /// Rays of a row of the tile; the next channel's are `planeStride` on.
+    float* row(int row) { return energy_.data() + std::size_t(row) * stride_ + kPad; }
+    int columns() const { return columns_; }
+    int rows() const { return rows_; }
+    std::size_t planeStride() const { return plane_; }
+
+    /// Gives every ray that enters the volume its power; counts them.
+    void enter(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+               TileSums& sums);
+    /// Sums what the rays carry at the end.
+    void leave(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, TileSums& sums);
+
+  private:
+    static constexpr int kPad = 16;
+
+    void arrive(const RayFront& front, const RayTile& tile, CrossingRays& arriving, TileSums& sums);
+    void goOn(const RayFront& front, const RayTile& tile, CrossingRays& leaving);
+
+    int columns_, rows_;
+    std::size_t stride_, plane_;
+    std::vector<float> energy_;
+};
+
+/// How the eight slices of a visited brick lie over a tile's rays, in the order of travel.
+struct Overlap {
+    int slice[kBrickEdge];                    ///< slice of the brick
+    int column[kBrickEdge];                   ///< tile column of the ray at the slice's first column
+    int row[kBrickEdge];                      ///< tile row of the ray at the slice's first row
+    int firstRow = kBrickEdge, lastRow = -1;  ///< rows of the brick met in any slice
+    bool clipped = false;                     ///< some column lies outside the tile
+
+    Overlap(const RayFront& front, const RayTile& tile, const BrickVisit& visit);
+
+    /// Slice j meets none of the tile's `columns`.
+    bool missesColumns(int j, int columns, int reach) const {
+        return column[j] + kBrickEdge <= 0 || column[j] - reach >= columns;
+    }
+};
+
+}  // namespace raysweep
