@@ -5,6 +5,8 @@
 
 #include <hwy/cache_control.h>
 
+#include <algorithm>
+
 #include "raysweep/sweep/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/sweep/exchange_nearest.cpp"
@@ -41,6 +43,17 @@ HWY_INLINE Mask lanesBetween(int lane, int begin, int end) {
     return hn::And(hn::Ge(index, hn::Set(kLanes, float(begin))), hn::Lt(index, hn::Set(kLanes, float(end))));
 }
 
+/// Stores lanes [begin, end) of a row, or all if not clipped. The other lanes may be another tile's: they stay
+/// untouched.
+template <bool kClipped>
+HWY_INLINE void storeOwn(Vec value, float* to, int lane, int begin, int end) {
+    if (!kClipped) return hn::Store(value, kLanes, to + lane);
+    HWY_ALIGN float values[kBrickEdge];
+    const int count = int(hn::Lanes(kLanes));
+    hn::Store(value, kLanes, values);
+    for (int i = std::max(lane, begin); i < std::min(lane + count, end); ++i) to[i] = values[i - lane];
+}
+
 /// Eight voxels of a slice and the eight rays at them. `rays` is the first channel's; the next are `raysStride` on.
 /// With kClipped only lanes [begin, end) take part.
 template <MediumExchange kModel, int kChannels, bool kClipped>
@@ -49,20 +62,18 @@ HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, in
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, brick.tau + at + lane);
         RowTerms terms = rowTerms<kModel>(step, tau);
-        Mask taking{};
         if (kClipped) {
-            taking = lanesBetween(lane, begin, end);
+            const Mask taking = lanesBetween(lane, begin, end);
             terms.opacity = hn::IfThenElseZero(taking, terms.opacity);
             terms.shot = hn::IfThenElseZero(taking, terms.shot);
         }
         for (int c = 0; c < kChannels; ++c) {
-            float* const unshot = brick.unshot[c] + at + lane;
-            float* const deposit = brick.deposit[c] + at + lane;
+            float* const unshot = brick.unshot[c] + at;
+            float* const deposit = brick.deposit[c] + at;
             float* const ray = rays + std::size_t(c) * raysStride + lane;
             const Vec e = hn::LoadU(kLanes, ray);
-            const Vec U = hn::Load(kLanes, unshot);
-            Vec added = hn::Load(kLanes, brick.source[c] + at + lane);
-            if (kClipped) added = hn::IfThenElseZero(taking, added);
+            const Vec U = hn::Load(kLanes, unshot + lane);
+            const Vec added = hn::Load(kLanes, brick.source[c] + at + lane);
             const Vec g = effectiveAlbedo(terms, hn::Load(kLanes, brick.albedo[c] + at + lane));
             const Vec in = hn::Mul(e, terms.opacity);
             const Vec out = hn::Mul(U, terms.shot);
@@ -70,8 +81,8 @@ HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, in
             const Vec newUnshot = hn::MulAdd(g, in, hn::Add(hn::Sub(U, out), added));
             requireNonNegative(newRay);
             requireNonNegative(newUnshot);
-            hn::Store(newUnshot, kLanes, unshot);
-            hn::Store(hn::Add(hn::Load(kLanes, deposit), in), kLanes, deposit);
+            storeOwn<kClipped>(newUnshot, unshot, lane, begin, end);
+            storeOwn<kClipped>(hn::Add(hn::Load(kLanes, deposit + lane), in), deposit, lane, begin, end);
             hn::StoreU(newRay, kLanes, ray);
         }
     }
@@ -108,10 +119,26 @@ struct TransposedBrick {
         return rows;
     }
 
-    void store(const BrickRows& to, int first, int last) const {
-        for (int c = 0; c < kChannels; ++c) {
-            transposePlanes(unshot[c], to.unshot[c], first, last);
-            transposePlanes(deposit[c], to.deposit[c], first, last);
+    /// Gives back what the tile's rays have met; the rest of the brick may be another tile's.
+    void store(const BrickRows& to, const Overlap& overlap, int columns, int rows) const {
+        for (int r = overlap.firstRow; r <= overlap.lastRow; ++r)
+            for (int c = 0; c < kChannels; ++c) {
+                if (overlap.meetsWholeRow(r, rows)) {
+                    transposePlane(unshot[c] + 64 * r, to.unshot[c] + 64 * r);
+                    transposePlane(deposit[c] + 64 * r, to.deposit[c] + 64 * r);
+                } else {
+                    storePart(unshot[c] + 64 * r, to.unshot[c] + 64 * r, overlap, r, columns, rows);
+                    storePart(deposit[c] + 64 * r, to.deposit[c] + 64 * r, overlap, r, columns, rows);
+                }
+            }
+    }
+
+    static void storePart(const float* plane, float* to, const Overlap& overlap, int r, int columns, int rows) {
+        for (int j = 0; j < kBrickEdge; ++j) {
+            if (overlap.row[j] + r < 0 || overlap.row[j] + r >= rows) continue;
+            const int slice = overlap.slice[j], end = std::min(kBrickEdge, columns - overlap.column[j]);
+            for (int lane = std::max(0, -overlap.column[j]); lane < end; ++lane)
+                to[8 * lane + slice] = plane[8 * slice + lane];
         }
     }
 };
@@ -183,7 +210,7 @@ void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeField
         const BrickRows turned =
             transposed.load(brick, fields.albedo[0].stride == 0, fields.source[0].stride == 0, first, last);
         exchangeBrick<kModel, kChannels>(front, overlap, step, turned, next, rays);
-        transposed.store(brick, first, last);
+        transposed.store(brick, overlap, rays.columns(), rays.rows());
     }
     rays.leave(front, tile, fields, sums);
 }

@@ -32,7 +32,8 @@ struct RayTile {
 struct RayTiles {
     std::vector<RayTile> tiles;
     std::vector<BrickVisit> visits;
-    /// Tiles [colours[c], colours[c+1]) share no brick, so they may write at the same time.
+    /// Tiles [colours[c], colours[c+1]) share no brick: where tiles may meet the same voxel (`linear`), those may write
+    /// at the same time.
     std::vector<std::size_t> colours;
 };
 

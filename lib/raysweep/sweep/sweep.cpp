@@ -18,14 +18,17 @@ SweepTotals sweepThrough(const SweepVolume& volume, const RayFront& front, Inter
                          const ExchangeFields& fields, const ExchangeStep& step) {
     const RayTiles cut = cutIntoTiles(front, volume.layout, volume.index[std::size_t(front.axis.major)]);
     std::vector<TileSums> sums(cut.tiles.size());
-    const auto exchange = interpolation == Interpolation::nearest ? exchangeNearest : exchangeLinear;
-    for (std::size_t colour = 0; colour + 1 < cut.colours.size(); ++colour) {
-        const std::size_t first = cut.colours[colour];
-        parallelFor(cut.colours[colour + 1] - first, [&](std::size_t i) {
+    const auto exchangeTiles = [&](auto exchange, std::size_t begin, std::size_t end) {
+        parallelFor(end - begin, [&](std::size_t i) {
             const FlushDenormals flush;  // rays deep in smoke fade into them: they would cost half the time
-            exchange(front, cut.tiles[first + i], fields, step, sums[first + i]);
+            exchange(front, cut.tiles[begin + i], fields, step, sums[begin + i]);
         });
-    }
+    };
+    if (interpolation == Interpolation::nearest)
+        exchangeTiles(exchangeNearest, 0, cut.tiles.size());
+    else
+        for (std::size_t colour = 0; colour + 1 < cut.colours.size(); ++colour)
+            exchangeTiles(exchangeLinear, cut.colours[colour], cut.colours[colour + 1]);
 
     // Rays that enter the bounding box but meet no brick were never made: they come out as they went in.
     SweepTotals totals;

@@ -3,6 +3,7 @@
 
 #include "raysweep/sweep/exchange.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -45,6 +46,12 @@ struct Overlap {
     bool clipped = false;                     ///< some column lies outside the tile
 
     Overlap(const RayFront& front, const RayTile& tile, const BrickVisit& visit);
+
+    /// Row r of the brick is met in all slices and all columns.
+    bool meetsWholeRow(int r, int rows) const {
+        const int low = std::min(row[0], row[kBrickEdge - 1]), high = std::max(row[0], row[kBrickEdge - 1]);
+        return !clipped && low + r >= 0 && high + r < rows;
+    }
 
     /// Slice j meets none of the tile's `columns`.
     bool missesColumns(int j, int columns, int reach) const {
