@@ -60,10 +60,12 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     return terms;
 }
 
-/// g = albedo p / (1 - albedo (1 - p)) with p = n / d.
+/// g = albedo p / (1 - albedo (1 - p)) with p = n / d. Written without a difference of n and d: where p is below the
+/// precision of a float, that would lose n and with it the power.
 HWY_INLINE Vec effectiveAlbedo(const RowTerms& terms, Vec albedo) {
-    const Vec trapped = hn::Sub(terms.denominator, terms.numerator);
-    return hn::Div(hn::Mul(albedo, terms.numerator), hn::NegMulAdd(albedo, trapped, terms.denominator));
+    const Vec scattered = hn::Mul(albedo, terms.numerator);
+    const Vec absorbing = hn::Sub(hn::Set(kLanes, 1.0f), albedo);
+    return hn::Div(scattered, hn::MulAdd(absorbing, terms.denominator, scattered));
 }
 
 HWY_INLINE void requireNonNegative(Vec value) {
