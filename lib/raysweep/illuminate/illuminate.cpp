@@ -2,6 +2,7 @@
 // is what has been deposited divided by the number of injections.
 #include "raysweep/illuminate/illuminate.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/direct.h"
 #include "raysweep/illuminate/estimate.h"
@@ -197,6 +198,8 @@ void runSweeps(Illumination& result, SolverState& state, const Scene& scene, con
 Illumination illuminate(const Scene& scene, const IlluminateOptions& options, const ProgressCallback& progress) {
     scene.validate();
     options.validate();
+    if (!scene.points.empty() && (options.periodic[0] || options.periodic[1] || options.periodic[2]))
+        throw InvalidArgument("a point light cannot be used in a periodic volume: it would repeat as well");
     Illumination result;
     result.plan = planIllumination(scene, options);
 

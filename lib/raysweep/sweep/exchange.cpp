@@ -210,22 +210,25 @@ class TileRays {
     std::size_t planeStride() const { return plane_; }
 
     /// Gives every ray that enters the volume its power; counts them.
-    void enter(const RayFront& front, const RayTile& tile, int channels, const ExchangeStep& step, TileSums& sums) {
+    void enter(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
+               TileSums& sums) {
         for (int r = 0; r < rows_; ++r) {
             const RayRange enters = raysThatEnter(front, tile.rows.begin + r);
             const int begin = std::max(enters.begin - tile.columns.begin, 0);
             const int end = std::min(enters.end - tile.columns.begin, columns_);
             if (end <= begin) continue;
             sums.rays += end - begin;
-            for (int c = 0; c < channels; ++c) {
+            for (int c = 0; c < fields.channels; ++c) {
                 float* const rays = row(r) + std::size_t(c) * plane_;
                 std::fill(rays + begin, rays + end, step.entering[c]);
             }
         }
+        if (fields.arriving) arrive(front, tile, *fields.arriving, sums);
     }
 
-    void leave(int channels, TileSums& sums) {
-        for (int c = 0; c < channels; ++c)
+    void leave(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, TileSums& sums) {
+        if (fields.leaving) goOn(front, tile, *fields.leaving);
+        for (int c = 0; c < fields.channels; ++c)
             for (int r = 0; r < rows_; ++r) {
                 const float* const rays = row(r) + std::size_t(c) * plane_;
                 double sum = 0;
@@ -235,6 +238,40 @@ class TileRays {
     }
 
   private:
+    /// Rays that were inside in the slice before the first come from the repetition before.
+    void arrive(const RayFront& front, const RayTile& tile, CrossingRays& arriving, TileSums& sums) {
+        const auto inBoth = [&](const Lateral& lateral, const RayRange& ofTile) {
+            const RayRange before = raysInside(front, lateral, -1), now = raysInside(front, lateral, 0);
+            return RayRange{std::max({before.begin, now.begin, ofTile.begin}),
+                            std::min({before.end, now.end, ofTile.end})};
+        };
+        const RayRange columns = inBoth(front.column, tile.columns), rows = inBoth(front.row, tile.rows);
+        for (int r = rows.begin; r < rows.end; ++r) {
+            sums.rays -= columns.size();
+            for (int c = 0; c < arriving.channels; ++c)
+                for (int u = columns.begin; u < columns.end; ++u)
+                    row(r - tile.rows.begin)[std::size_t(c) * plane_ + std::size_t(u - tile.columns.begin)] =
+                        arriving.at(c, r, u);
+        }
+    }
+
+    /// Hands over the rays that are inside in the slice after the last.
+    void goOn(const RayFront& front, const RayTile& tile, CrossingRays& leaving) {
+        for (int r = 0; r < rows_; ++r) {
+            const int rowThere = rayInNextRepetition(front, front.row, tile.rows.begin + r);
+            if (rowThere < leaving.rows.begin || rowThere >= leaving.rows.end) continue;
+            for (int u = 0; u < columns_; ++u) {
+                const int there = rayInNextRepetition(front, front.column, tile.columns.begin + u);
+                if (there < leaving.columns.begin || there >= leaving.columns.end) continue;
+                for (int c = 0; c < leaving.channels; ++c) {
+                    float& ray = row(r)[std::size_t(c) * plane_ + std::size_t(u)];
+                    leaving.at(c, rowThere, there) = ray;
+                    ray = 0;
+                }
+            }
+        }
+    }
+
     int columns_, rows_;
     std::size_t stride_, plane_;
     std::vector<float> energy_;
@@ -302,7 +339,7 @@ template <MediumExchange kModel, int kChannels>
 void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                  TileSums& sums) {
     TileRays rays(tile, kChannels);
-    rays.enter(front, tile, kChannels, step, sums);
+    rays.enter(front, tile, fields, step, sums);
     TransposedBrick<kChannels> transposed;
     for (const BrickVisit* visit = tile.begin; visit != tile.end; ++visit) {
         const Overlap overlap(front, tile, *visit);
@@ -318,7 +355,7 @@ void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeField
         exchangeBrick<kModel, kChannels>(front, overlap, step, turned, rays);
         transposed.store(brick, first, last);
     }
-    rays.leave(kChannels, sums);
+    rays.leave(front, tile, fields, sums);
 }
 
 // ---- linear -------------------------------------------------------------------------------------------------------
@@ -433,7 +470,7 @@ template <MediumExchange kModel, int kChannels>
 void linearTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                 TileSums& sums) {
     TileRays rays(tile, kChannels), change(tile, kChannels);
-    rays.enter(front, tile, kChannels, step, sums);
+    rays.enter(front, tile, fields, step, sums);
     std::vector<LinearBrick<kChannels>> bricks;
     std::vector<Overlap> overlaps;
     for (const BrickVisit* layer = tile.begin; layer != tile.end;) {
@@ -456,7 +493,7 @@ void linearTile(const RayFront& front, const RayTile& tile, const ExchangeFields
         for (std::size_t i = 0; i < count; ++i) finishLinear<kChannels>(front, fields, layer[i].brick, bricks[i]);
         layer = end;
     }
-    rays.leave(kChannels, sums);
+    rays.leave(front, tile, fields, sums);
 }
 
 template <MediumExchange kModel>

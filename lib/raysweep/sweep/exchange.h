@@ -48,6 +48,8 @@ struct ExchangeFields {
     BrickView<float> unshot[kMaxChannels];        ///< U, W
     BrickView<float> deposit[kMaxChannels];       ///< D, W
     BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone, W; `linear` only
+    CrossingRays* arriving = nullptr;             ///< in a volume that is periodic along the sweep's axis: rays that
+    CrossingRays* leaving = nullptr;              ///< come from the repetition before, and that go on to the next
 };
 
 /// What is constant during one sweep.

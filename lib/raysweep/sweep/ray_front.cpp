@@ -50,6 +50,7 @@ RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int rea
     front.stepLength = 1 / perSlice;
     front.crossSection = layout.voxelVolume * perSlice;
     front.reach = reach;
+    front.periodic = periodic[std::size_t(major)];
     return front;
 }
 
@@ -57,6 +58,11 @@ RayRange rayExtent(const RayFront& front, const Lateral& lateral) {
     if (lateral.periodic) return {lateral.low, lateral.high};
     const auto [least, most] = std::minmax({lateral.shift(0), lateral.shift(front.slices - 1)});
     return {lateral.low - front.reach - most, lateral.high - least};
+}
+
+RayRange raysInside(const RayFront& front, const Lateral& lateral, int k) {
+    if (lateral.periodic) return {lateral.low, lateral.high};
+    return {lateral.low - front.reach - lateral.shift(k), lateral.high - lateral.shift(k)};
 }
 
 RayRange raysThatEnter(const RayFront& front, int row) {
@@ -70,13 +76,38 @@ RayRange raysThatEnter(const RayFront& front, int row) {
 double countRaysThatEnter(const RayFront& front) {
     const double columns = front.column.size() + (front.column.periodic ? 0 : front.reach);
     const double rows = front.row.size() + (front.row.periodic ? 0 : front.reach);
-    double count = columns * rows;
-    for (int k = 1; k < front.slices; ++k) {
+    double count = front.periodic ? 0 : columns * rows;
+    for (int k = front.periodic ? 0 : 1; k < front.slices; ++k) {
         const int du = front.column.periodic ? 0 : std::abs(front.column.shift(k) - front.column.shift(k - 1));
         const int dv = front.row.periodic ? 0 : std::abs(front.row.shift(k) - front.row.shift(k - 1));
         count += du * rows + dv * columns - du * dv;
     }
     return count;
+}
+
+CrossingRays::CrossingRays(const RayFront& front, int channelCount) : channels(channelCount) {
+    const auto face = [&](const Lateral& lateral) {
+        return RayRange{lateral.low - (lateral.periodic ? 0 : front.reach), lateral.high};
+    };
+    columns = face(front.column);
+    rows = face(front.row);
+    power.assign(std::size_t(channels) * std::size_t(rows.size()) * std::size_t(columns.size()), 0.0f);
+}
+
+RayFront nextRepetition(const RayFront& front) {
+    RayFront next = front;
+    for (Lateral* lateral : {&next.column, &next.row}) {
+        const double position = lateral->position(front.slices);
+        lateral->offset = std::min(position - std::floor(position), 1 - 0x1.0p-53);
+    }
+    return next;
+}
+
+int rayInNextRepetition(const RayFront& front, const Lateral& lateral, int ray) {
+    const int there = ray + lateral.shift(front.slices);
+    if (!lateral.periodic) return there;
+    const int period = lateral.size(), past = (there - lateral.low) % period;
+    return lateral.low + (past < 0 ? past + period : past);
 }
 
 }  // namespace raysweep

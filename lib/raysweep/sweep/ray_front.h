@@ -1,8 +1,9 @@
 /// A front of parallel rays that steps through a volume slice by slice.
 ///
-/// Rays form a lattice of one ray per voxel of a slice. From slice to slice all of them move sideways by the same slope,
-/// so ray (u,v) is at voxel coordinates (u + offset + k*slope) in the k-th slice, and the whole front is described by two
-/// shifts per slice. Lateral coordinates of rays and voxels are in voxels; k counts slices in the order of travel.
+/// Rays form a lattice of one ray per voxel of a slice. From slice to slice all of them move sideways by the same
+/// slope, so ray (u,v) is at voxel coordinates (u + offset + k*slope) in the k-th slice, and the whole front is
+/// described by two shifts per slice. Lateral coordinates of rays and voxels are in voxels; k counts slices in the
+/// order of travel.
 #pragma once
 
 #include "raysweep/sweep/axis.h"
@@ -10,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace raysweep {
 
@@ -30,13 +32,14 @@ struct Lateral {
 
 struct RayFront {
     SweepAxis axis;
-    bool ascending = true;     ///< slices in ascending order of the major coordinate
-    int firstSlice = 0;        ///< major coordinate of the first slice met
-    int slices = 0;            ///< number of slices of the volume
-    Lateral column, row;       ///< u and v
-    double stepLength = 0;     ///< world length of a ray in a slice
-    double crossSection = 0;   ///< world area per ray, perpendicular to the direction
-    int reach = 0;             ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
+    bool ascending = true;    ///< slices in ascending order of the major coordinate
+    int firstSlice = 0;       ///< major coordinate of the first slice met
+    int slices = 0;           ///< number of slices of the volume
+    Lateral column, row;      ///< u and v
+    double stepLength = 0;    ///< world length of a ray in a slice
+    double crossSection = 0;  ///< world area per ray, perpendicular to the direction
+    int reach = 0;            ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
+    bool periodic = false;    ///< the volume repeats along the sweep's axis, too: rays go from its end to its beginning
 
     /// Slice number in the order of travel of the slice of `brickLow` (low corner) that is met first.
     int firstStep(int brickLow) const {
@@ -56,13 +59,37 @@ struct RayRange {
     int size() const { return empty() ? 0 : end - begin; }
 };
 
+/// Rays that are within the volume laterally at slice `k`; with a periodic axis all are.
+RayRange raysInside(const RayFront& front, const Lateral& lateral, int k);
+
 /// Rays of lattice row `row` that enter the volume somewhere.
 RayRange raysThatEnter(const RayFront& front, int row);
 
-/// Number of rays that enter the volume.
+/// Number of rays that enter the volume. If it is periodic along the sweep's axis, those that come from its other end
+/// do not count.
 double countRaysThatEnter(const RayFront& front);
 
 /// All ray coordinates that occur along one lateral axis.
 RayRange rayExtent(const RayFront& front, const Lateral& lateral);
+
+/// Power of the rays between one repetition of a periodic volume and the next along the sweep's axis; (column, row) are
+/// the lattice coordinates they will have there, in the front `nextRepetition`.
+struct CrossingRays {
+    RayRange columns, rows;
+    int channels = 0;
+    std::vector<float> power;
+
+    CrossingRays() = default;
+    CrossingRays(const RayFront& front, int channelCount);
+    float& at(int channel, int row, int column) {
+        return power[std::size_t((channel * rows.size() + row - rows.begin) * columns.size() + column - columns.begin)];
+    }
+};
+
+/// The same rays one repetition on, relabelled so that again a ray is at its own coordinates in the first slice.
+RayFront nextRepetition(const RayFront& front);
+
+/// Coordinate in `nextRepetition` of the ray now at `ray`; it is outside of `CrossingRays` if the ray has left by then.
+int rayInNextRepetition(const RayFront& front, const Lateral& lateral, int ray);
 
 }  // namespace raysweep

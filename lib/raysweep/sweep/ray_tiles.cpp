@@ -150,6 +150,9 @@ RayTiles cutIntoTiles(const RayFront& front, const BrickLayout& layout, const Ti
             });
         });
     });
+    // Rays that come from another repetition are there whether they meet a brick or not.
+    for (int r = 0; front.periodic && r < rows.count(); ++r)
+        for (int c = 0; c < columns.count(); ++c) numbers.number(c, r);
     if (front.column.periodic || front.row.periodic) sortPeriodic(front, pairs);
     return groupByTile(numbers, pairs);
 }

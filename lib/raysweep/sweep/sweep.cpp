@@ -2,10 +2,19 @@
 
 #include "raysweep/core/parallel.h"
 
-namespace raysweep {
+#include <algorithm>
+#include <numeric>
+#include <utility>
 
-SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
-                  const ExchangeFields& fields, const ExchangeStep& step) {
+namespace raysweep {
+namespace {
+
+constexpr double kSpent = 1e-6;  ///< rays in a periodic volume are followed until this part of their power is left
+constexpr int kMostRepetitions = 100000;
+
+/// A sweep from one end of the bricks' bounding box to the other.
+SweepTotals sweepThrough(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
+                         const ExchangeFields& fields, const ExchangeStep& step) {
     const RayTiles cut = cutIntoTiles(front, volume.layout, volume.index[std::size_t(front.axis.major)]);
     std::vector<TileSums> sums(cut.tiles.size());
     const auto exchange = interpolation == Interpolation::nearest ? exchangeNearest : exchangeLinear;
@@ -26,6 +35,46 @@ SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolatio
         totals.entered[c] = entered * double(step.entering[c]);
     }
     return totals;
+}
+
+double powerOf(const CrossingRays& rays) {
+    return std::accumulate(rays.power.begin(), rays.power.end(), 0.0,
+                           [](double sum, float ray) { return sum + double(ray); });
+}
+
+/// A sweep where the volume repeats along the sweep's axis. All repetitions are equal, so the rays that leave one are
+/// those that enter the next: they go round, with nothing new entering or shot, until hardly any power is left.
+SweepTotals sweepAround(const SweepVolume& volume, RayFront front, Interpolation interpolation, ExchangeFields fields,
+                        ExchangeStep step) {
+    alignas(64) static const float kNothing[kBrickVoxels] = {0};
+    CrossingRays arriving(front, fields.channels), leaving(front, fields.channels);
+    fields.arriving = &arriving;
+    fields.leaving = &leaving;
+    SweepTotals totals = sweepThrough(volume, front, interpolation, fields, step);
+    step.zeta = 0;
+    for (int c = 0; c < fields.channels; ++c) {
+        step.entering[c] = 0;
+        fields.source[c] = {kNothing, 0};
+    }
+    const double first = powerOf(leaving);
+    for (int i = 0; i < kMostRepetitions && powerOf(leaving) > kSpent * first; ++i) {
+        std::swap(arriving, leaving);
+        std::fill(leaving.power.begin(), leaving.power.end(), 0.0f);
+        front = nextRepetition(front);
+        const SweepTotals more = sweepThrough(volume, front, interpolation, fields, step);
+        for (int c = 0; c < fields.channels; ++c) totals.escaped[c] += more.escaped[c];
+    }
+    const std::size_t perChannel = leaving.power.size() / std::size_t(fields.channels);
+    for (std::size_t i = 0; i < leaving.power.size(); ++i) totals.escaped[i / perChannel] += double(leaving.power[i]);
+    return totals;
+}
+
+}  // namespace
+
+SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
+                  const ExchangeFields& fields, const ExchangeStep& step) {
+    return front.periodic ? sweepAround(volume, front, interpolation, fields, step)
+                          : sweepThrough(volume, front, interpolation, fields, step);
 }
 
 void settle(const SweepVolume& volume, const ExchangeFields& fields, const ExchangeStep& step) {
