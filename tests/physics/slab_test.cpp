@@ -111,6 +111,10 @@ void expectClose(double measured, double exact, const char* what, const Slab& sl
         << slab.axis << ": " << measured << " instead of " << exact;
 }
 
+/// After 4096 sweeps R + T is off by up to this much, all of it from directions that are not quite even. That it falls,
+/// and the promised 1 % is met, is what ConvergesToTheTable shows with 16 times the sweeps.
+constexpr double kUneven = 0.006;
+
 /// Voxels at most an eighth of an optical depth thick: a slab's faces are sharp, and fluxes show how they are resolved.
 int layersFor(double opticalThickness) {
     return 8 * std::max(1, int(std::ceil(opticalThickness / 0.125 / 8)));
@@ -161,8 +165,8 @@ void expectDiffuseTable(int axis, Interpolation interpolation, int sweeps) {
             fluxes.transmittance, reference.transmittance, 100 * profile, fluxes.balance);
         const Fluxes seen = fluxesOf(fluxes.profile, slab.opticalThickness);
         std::printf("    seen: R %.4f T %.4f\n", seen.reflectance, seen.transmittance);
-        expectClose(seen.reflectance, reference.reflectance, "reflectance", slab);
-        expectClose(seen.transmittance, reference.transmittance, "transmittance", slab);
+        expectClose(seen.reflectance, reference.reflectance, "reflectance", slab, kUneven);
+        expectClose(seen.transmittance, reference.transmittance, "transmittance", slab, kUneven);
         // Three times the scatter of seeds at 4096 sweeps, 0.0028; it falls with the root of the sweeps.
         expectClose(fluxes.reflectance, reference.reflectance, "escaped reflectance", slab, 0.0085);
         expectClose(fluxes.transmittance, reference.transmittance, "escaped transmittance", slab, 0.0085);
@@ -192,8 +196,8 @@ TEST(SlabSlow, DiffuseLightWithLinearInterpolation) {
     expectDiffuseTable(2, Interpolation::linear, 4096);
 }
 
-// With enough sweeps what escapes agrees, too: whatever leaves one sweep is not tied to the next.
-TEST(SlabSlow, EscapingPowerConverges) {
+// With enough sweeps both what is seen and what escapes agree: successive directions are not tied to each other.
+TEST(SlabSlow, ConvergesToTheTable) {
     IlluminateOptions options;
     options.sweeps = 65536;
     for (const SlabReference& reference : {kDiffuseSlabs[0], kDiffuseSlabs[7], kDiffuseSlabs[9]}) {
@@ -204,6 +208,10 @@ TEST(SlabSlow, EscapingPowerConverges) {
                     reference.transmittance);
         expectClose(fluxes.reflectance, reference.reflectance, "reflectance", slab);
         expectClose(fluxes.transmittance, reference.transmittance, "transmittance", slab);
+        const Fluxes seen = fluxesOf(fluxes.profile, slab.opticalThickness);
+        std::printf("    seen: R %.4f T %.4f\n", seen.reflectance, seen.transmittance);
+        expectClose(seen.reflectance, reference.reflectance, "seen reflectance", slab);
+        expectClose(seen.transmittance, reference.transmittance, "seen transmittance", slab);
     }
 }
 
@@ -242,8 +250,8 @@ TEST(SlabSlow, NonUniformVoxels) {
                         reference.transmittance);
             const Fluxes seen = fluxesOf(fluxes.profile, slab.opticalThickness);
             std::printf("    seen: R %.4f T %.4f\n", seen.reflectance, seen.transmittance);
-            expectClose(seen.reflectance, reference.reflectance, "reflectance", slab);
-            expectClose(seen.transmittance, reference.transmittance, "transmittance", slab);
+            expectClose(seen.reflectance, reference.reflectance, "reflectance", slab, kUneven);
+            expectClose(seen.transmittance, reference.transmittance, "transmittance", slab, kUneven);
         }
     }
 }
