@@ -56,7 +56,7 @@ using Sample = std::array<double, kDimensions>;
 /// point alone is uniform, so estimates stay unbiased and batches independent, while the light's own noise gets small.
 class SpreadPoints {
   public:
-    explicit SpreadPoints(Random& random) {
+    SpreadPoints(Random& random, bool even) : random_(random), even_(even) {
         double root = 1.5;
         for (int i = 0; i < 60; ++i) root = std::pow(1 + root, 1.0 / (kDimensions + 1));
         for (int d = 0; d < kDimensions; ++d) {
@@ -67,6 +67,10 @@ class SpreadPoints {
 
     const Sample& next() {
         for (int d = 0; d < kDimensions; ++d) {
+            if (!even_) {
+                point_[d] = random_.uniform();
+                continue;
+            }
             point_[d] += step_[d];
             if (point_[d] >= 1) point_[d] -= 1;
         }
@@ -74,6 +78,8 @@ class SpreadPoints {
     }
 
   private:
+    Random& random_;
+    bool even_;
     Sample step_, point_;
 };
 
@@ -376,12 +382,12 @@ struct Batch {
     std::uint64_t histories = 0;
 };
 
-void runBatch(const Box& box, const std::vector<Emitter>& emitters, std::uint64_t perBatch, Random random,
-              Batch& batch) {
+void runBatch(const Box& box, const std::vector<Emitter>& emitters, bool evenLight, std::uint64_t perBatch,
+              Random random, Batch& batch) {
     double allPower = 0;
     for (const Emitter& emitter : emitters) allPower += emitter.power;
     for (const Emitter& emitter : emitters) {
-        SpreadPoints points(random);
+        SpreadPoints points(random, evenLight);
         const std::uint64_t count = packetCount(emitter, allPower, perBatch);
         batch.histories += count;
         for (std::uint64_t n = 0; n < count; ++n) {
@@ -501,7 +507,7 @@ McResult monteCarlo(const McScene& scene, std::uint64_t histories, std::uint64_t
         for (std::uint64_t& s : batchSeeds) s = seeds.bits();
         parallelFor(kBatchesAtOnce, [&](std::size_t b) {
             batches[b].cells = blank;
-            runBatch(box, emitters, perBatch, Random(batchSeeds[b]), batches[b]);
+            runBatch(box, emitters, scene.evenLight, perBatch, Random(batchSeeds[b]), batches[b]);
         });
         for (const Batch& batch : batches) {
             statistics.add(batch);

@@ -1,0 +1,174 @@
+// Power is never lost and never made: injected = absorbed + escaped + unshot, whatever the light and the method.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "raysweep/illuminate/illuminate.h"
+#include "support/volumes.h"
+
+using namespace raysweep;
+using namespace raysweep::test;
+
+namespace {
+
+// Fields are floats; sums over voxels and sweeps are doubles. The promise to users.
+constexpr double kBalance = 1e-5;
+
+enum class Light { sun, pointInside, pointOutside, sky, emission, all };
+constexpr Light kLights[] = {Light::sun, Light::pointInside, Light::pointOutside,
+                             Light::sky, Light::emission,    Light::all};
+
+openvdb::GridBase::Ptr emissionOf(const openvdb::FloatGrid& density, bool coloured) {
+    auto grey = density.deepCopy();
+    auto colours = openvdb::Vec3SGrid::create();
+    auto accessor = colours->getAccessor();
+    for (auto on = grey->beginValueOn(); on; ++on) {
+        on.setValue(on.getCoord().x() % 3 == 0 ? 0.7f : 0.0f);
+        accessor.setValue(on.getCoord(), openvdb::Vec3s(*on, 2 * *on, 0.1f * *on));
+    }
+    // Some of it where there is no extinction.
+    grey->tree().setValue({20, 3, 3}, 5);
+    accessor.setValue({20, 3, 3}, openvdb::Vec3s(5, 1, 3));
+    if (coloured) return colours;
+    return grey;
+}
+
+Scene litScene(Light light, bool coloured) {
+    static const auto density = noiseBall(9, 1e-3, 10);
+    const Color tint = coloured ? Color(1, 0.3f, 2) : grey(1);
+    Scene scene;
+    scene.medium.density = density;
+    scene.medium.albedo = coloured ? Color(0.99f, 0.5f, 1) : grey(0.9f);
+    const bool all = light == Light::all;
+    if (all || light == Light::sun) scene.suns.push_back({Vec3(0.3, -1, 0.2), tint * 3});
+    if (all || light == Light::pointInside) scene.points.push_back({Vec3(1.3, -2.1, 0.4), tint * 50});
+    if (all || light == Light::pointOutside) scene.points.push_back({Vec3(-20, 4, 7), tint * 500});
+    if (all || light == Light::sky) scene.sky.radiance = tint;
+    if (all || light == Light::emission) scene.medium.emission = emissionOf(*density, coloured);
+    return scene;
+}
+
+void expectNoNegative(const openvdb::GridBase& grid) {
+    const auto check = [](float value) { return value >= 0 && std::isfinite(value); };
+    std::size_t bad = 0;
+    if (grid.isType<openvdb::FloatGrid>()) {
+        for (auto v = static_cast<const openvdb::FloatGrid&>(grid).cbeginValueAll(); v; ++v) bad += !check(*v);
+    } else {
+        for (auto v = dynamic_cast<const openvdb::Vec3SGrid&>(grid).cbeginValueAll(); v; ++v)
+            for (int c = 0; c < 3; ++c) bad += !check((*v)[c]);
+    }
+    EXPECT_EQ(bad, 0u) << "negative or not finite values in " << grid.getName();
+}
+
+}  // namespace
+
+TEST(Energy, IsConservedForEveryLightAndMethod) {
+    IlluminateOptions options;
+    options.tolerance = 0;
+    options.sweeps = 30;
+    double worst = 0;
+    for (const Light light : kLights)
+        for (const bool coloured : {false, true}) {
+            const Scene scene = litScene(light, coloured);
+            for (const MediumExchange exchange : {MediumExchange::consistent, MediumExchange::paper})
+                for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
+                    for (const Remaining remaining : {Remaining::shoot, Remaining::drop, Remaining::spread}) {
+                        options.exchange = exchange;
+                        options.interpolation = interpolation;
+                        options.remaining = remaining;
+                        const Illumination lit = illuminate(scene, options);
+                        const double error = lit.power.error();
+                        worst = std::max(worst, error);
+                        EXPECT_LE(error, kBalance)
+                            << "light " << int(light) << " coloured " << coloured << " exchange " << int(exchange)
+                            << " interpolation " << int(interpolation) << " remaining " << int(remaining);
+                        EXPECT_GT(lit.power.injected[0], 0);
+                        expectNoNegative(*lit.radiosity);
+                        expectNoNegative(*lit.unshot);
+                    }
+        }
+    std::printf("  worst balance error %.1e\n", worst);
+}
+
+TEST(Energy, IsConservedAtEveryStage) {
+    for (const int sweeps : {0, 1, 2, 19, 20, 21, 100}) {
+        IlluminateOptions options;
+        options.tolerance = 0;
+        options.sweeps = sweeps;
+        options.remaining = Remaining::drop;
+        EXPECT_LE(illuminate(litScene(Light::all, false), options).power.error(), kBalance) << sweeps << " sweeps";
+    }
+}
+
+TEST(Energy, IsConservedWithoutScattering) {
+    for (const Light light : kLights) {
+        Scene scene = litScene(light, false);
+        scene.medium.albedo = grey(0);
+        const Illumination lit = illuminate(scene);
+        EXPECT_LE(lit.power.error(), kBalance) << "light " << int(light);
+        EXPECT_EQ(lit.sweeps, 0);
+    }
+}
+
+TEST(Energy, OfPointLightsIsTheirPower) {
+    for (const Light light : {Light::pointInside, Light::pointOutside}) {
+        const Scene scene = litScene(light, false);
+        const double power = double(scene.points.front().power.x);
+        // Nothing but the sums' rounding.
+        EXPECT_LE(std::abs(illuminate(scene).power.injected[0] / power - 1), 1e-6);
+    }
+}
+
+TEST(Energy, OfEmissionIsItsSum) {
+    const Scene scene = litScene(Light::emission, false);
+    double sum = 0;
+    const auto& emission = static_cast<const openvdb::FloatGrid&>(*scene.medium.emission);
+    for (auto on = emission.cbeginValueOn(); on; ++on) sum += double(*on);
+    const Illumination lit = illuminate(scene);
+    EXPECT_LE(std::abs(lit.power.injected[0] / sum - 1), 1e-6);  // float voxels
+    EXPECT_EQ(lit.invisibleEmitters, 1u);
+}
+
+namespace {
+
+constexpr int kEdge = 64;
+
+Scene boxScene() {
+    Scene scene;
+    scene.medium.density = boxVolume({kEdge, kEdge / 2, kEdge / 4});
+    scene.medium.extinctionScale = 0.01;
+    return scene;
+}
+
+}  // namespace
+
+// A front is a lattice of one ray per voxel, and what counts as injected is what the rays carry that meet the bricks'
+// bounding box in the middle of a slice, give or take the voxel that a bilinear footprint reaches beyond it: the closed
+// form holds to about two voxels of each edge.
+TEST(Energy, OfTheSunIsIrradianceTimesProjectedArea) {
+    for (const Vec3& direction : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0.3, -1, 0.2), Vec3(1, 2, -3)}) {
+        Scene scene = boxScene();
+        scene.suns.push_back({direction, grey(3)});
+        const Vec3 d = direction.normalized();
+        const double n = kEdge;
+        const double area =
+            std::abs(d.x) * (n / 2) * (n / 4) + std::abs(d.y) * n * (n / 4) + std::abs(d.z) * n * (n / 2);
+        const double ratio = illuminate(scene).power.injected[0] / (3 * area);
+        std::printf("  sun along (%g, %g, %g): injected / closed form = %.5f\n", direction.x, direction.y, direction.z,
+                    ratio);
+        EXPECT_LE(std::abs(ratio - 1), 2.0 / (n / 2) + 2.0 / (n / 4));
+    }
+}
+
+TEST(Energy, OfTheSkyIsRadianceTimesPiTimesSurface) {
+    Scene scene = boxScene();
+    scene.sky.radiance = grey(1);
+    IlluminateOptions options;
+    options.tolerance = 0;
+    options.sweeps = 1024;
+    const double n = kEdge, surface = 2 * (n * (n / 2) + n * (n / 4) + (n / 2) * (n / 4));
+    const double ratio = illuminate(scene, options).power.injected[0] / (kPi * surface);
+    std::printf("  sky: injected / closed form = %.5f\n", ratio);
+    EXPECT_LE(std::abs(ratio - 1), 2.0 / (n / 4));
+}

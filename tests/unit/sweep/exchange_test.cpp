@@ -1,0 +1,210 @@
+// The vectorised exchange against its formulas, written down once more voxel by voxel in doubles.
+#include "raysweep/sweep/exchange.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "raysweep/sweep/brick_map.h"
+#include "raysweep/sweep/directions.h"
+#include "raysweep/sweep/sweep.h"
+
+using namespace raysweep;
+
+namespace {
+
+/// Fields of a small random volume. `unshot` and `deposit` are what a sweep changes.
+struct Volume {
+    explicit Volume(int channelCount) : channels(channelCount), sweepVolume(makeLayout()), escape(Matrix3()) {
+        std::mt19937_64 random(11);
+        const std::size_t bricks = sweepVolume.layout.brickCount();
+        const auto fill = [&](BrickField& field, double low, double high) {
+            field = BrickField(bricks);
+            for (std::size_t b = 0; b < bricks; ++b)
+                for (int i = 0; i < kBrickVoxels; ++i)
+                    field.brick(b)[i] = float(low * std::pow(high / low, uniform01(random)));
+        };
+        fill(tau, 1e-4, 20);
+        for (std::size_t b = 0; b < bricks; ++b) tau.brick(b)[17] = 0;
+        for (int c = 0; c < channels; ++c) {
+            fill(albedo[c], 0.1, 1);
+            fill(source[c], 1e-3, 0.1);
+            fill(unshot[c], 0.01, 1);
+            fill(deposit[c], 0.1, 1);
+            fresh[c] = BrickField(bricks);
+        }
+    }
+
+    static BrickLayout makeLayout() {
+        BrickLayout layout;  // with a hole, and in more than one quadrant
+        layout.origins = {{-8, 0, 0}, {-8, 8, 8}, {0, 0, 0}, {0, 0, 8}, {0, 8, 0}, {8, -8, 0}};
+        layout.low = Index3(-8, -8, 0);
+        layout.high = Index3(16, 16, 16);
+        return layout;
+    }
+
+    ExchangeFields fields() {
+        ExchangeFields views;
+        views.channels = channels;
+        views.tau = viewOf(tau);
+        for (int c = 0; c < channels; ++c) {
+            views.albedo[c] = viewOf(albedo[c]);
+            views.source[c] = viewOf(source[c]);
+            views.unshot[c] = viewOf(unshot[c]);
+            views.deposit[c] = viewOf(deposit[c]);
+            views.fresh[c] = viewOf(fresh[c]);
+        }
+        return views;
+    }
+
+    int channels;
+    SweepVolume sweepVolume;
+    Escape escape;
+    BrickField tau, albedo[3], source[3], unshot[3], deposit[3], fresh[3];
+};
+
+/// What the formulas say about one voxel.
+struct VoxelTerms {
+    double opacity, shot, g;
+};
+
+VoxelTerms termsOf(const ExchangeStep& step, double tau, double albedo) {
+    const double along = tau * double(step.stepScale), opacity = -std::expm1(-along);
+    if (step.model == MediumExchange::paper) return {opacity, double(step.zeta), albedo};
+    const double p = step.escape.numerator(tau) / step.escape.denominator(tau);
+    const double ratio = along > 0 ? opacity / along : 1;
+    return {opacity, std::min(1.0, double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
+}
+
+/// A sweep in doubles, of one channel: slices in the order of travel, rays in a map. `nearest` has one footprint of
+/// weight 1.
+struct PlainSweep {
+    const Volume& volume;
+    const RayFront& front;
+    const ExchangeStep& step;
+    int channel;
+    bool linear;
+    std::map<std::pair<int, int>, double> rays;
+    std::vector<double> unshot, deposit;
+    double escaped = 0;
+
+    void run() {
+        const BrickLayout& layout = volume.sweepVolume.layout;
+        const BrickMap map(layout);
+        unshot.assign(layout.brickCount() * kBrickVoxels, 0.0);
+        deposit = unshot;
+        for (std::size_t b = 0; b < layout.brickCount(); ++b)
+            for (std::size_t i = 0; i < kBrickVoxels; ++i) {
+                unshot[b * kBrickVoxels + i] = double(volume.unshot[channel].brick(b)[i]);
+                deposit[b * kBrickVoxels + i] = double(volume.deposit[channel].brick(b)[i]);
+            }
+        const RayRange rows = rayExtent(front, front.row);
+        for (int r = rows.begin; r < rows.end; ++r) {
+            const RayRange columns = raysThatEnter(front, r);
+            for (int c = columns.begin; c < columns.end; ++c) rays[{r, c}] = double(step.entering[channel]);
+        }
+        for (int k = 0; k < front.slices; ++k) sliceThrough(layout, map, k);
+        for (const auto& [at, ray] : rays) escaped += ray;
+    }
+
+    void sliceThrough(const BrickLayout& layout, const BrickMap& map, int k) {
+        const double fu = linear ? front.column.position(k) - front.column.shift(k) : 0;
+        const double fv = linear ? front.row.position(k) - front.row.shift(k) : 0;
+        std::map<std::pair<int, int>, double> change;
+        Index3 voxel;
+        voxel[front.axis.major] = front.ascending ? front.firstSlice + k : front.firstSlice - k;
+        for (int v = layout.low[front.axis.row]; v < layout.high[front.axis.row]; ++v)
+            for (int u = layout.low[front.axis.column]; u < layout.high[front.axis.column]; ++u) {
+                voxel[front.axis.row] = v;
+                voxel[front.axis.column] = u;
+                const std::uint32_t b = map.find(voxel);
+                if (b == kNoBrick) continue;
+                const std::size_t i = offsetInBrick(voxel);
+                const VoxelTerms terms =
+                    termsOf(step, double(volume.tau.brick(b)[i]), double(volume.albedo[channel].brick(b)[i]));
+                double& U = unshot[b * kBrickVoxels + i];
+                const double out = U * terms.shot;
+                double in = 0;
+                for (int dv = 0; dv <= front.reach; ++dv)
+                    for (int du = 0; du <= front.reach; ++du) {
+                        const double weight = (dv ? fv : 1 - fv) * (du ? fu : 1 - fu);
+                        const std::pair<int, int> ray{v - front.row.shift(k) - dv, u - front.column.shift(k) - du};
+                        const double taken = weight * terms.opacity * rays[ray];
+                        in += taken;
+                        change[ray] += weight * out - taken;
+                    }
+                deposit[b * kBrickVoxels + i] += in;
+                U += terms.g * in - out + double(volume.source[channel].brick(b)[i]);
+            }
+        for (const auto& [ray, delta] : change) rays[ray] += delta;
+    }
+};
+
+void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, MediumExchange model, int channels) {
+    Volume volume(channels);
+    const bool linear = interpolation == Interpolation::linear;
+    const RayFront front = parallelFront(volume.sweepVolume.layout, direction, linear ? 1 : 0, 0.31, 0.77, {});
+    ExchangeStep step;
+    step.model = model;
+    step.escape = volume.escape.fit();
+    step.stepScale = float(front.stepLength / volume.escape.meanStepLength());
+    for (int c = 0; c < channels; ++c) step.entering[c] = 0.5f + 0.25f * float(c);
+    std::vector<PlainSweep> plain;
+    for (int c = 0; c < channels; ++c) {
+        plain.push_back({volume, front, step, c, linear, {}, {}, {}});
+        plain.back().run();
+    }
+    const ExchangeFields fields = volume.fields();
+    const SweepTotals totals = sweep(volume.sweepVolume, front, interpolation, fields, step);
+    if (linear) settle(volume.sweepVolume, fields, step);
+    // About 50 float operations on a ray's way, on values of order 1.
+    constexpr double kRounding = 1e-5;
+    for (int c = 0; c < channels; ++c) {
+        double worst = 0;
+        for (std::size_t i = 0; i < plain[std::size_t(c)].unshot.size(); ++i) {
+            const std::size_t b = i / kBrickVoxels, offset = i % kBrickVoxels;
+            worst =
+                std::max(worst, std::abs(double(volume.unshot[c].brick(b)[offset]) - plain[std::size_t(c)].unshot[i]));
+            worst = std::max(worst,
+                             std::abs(double(volume.deposit[c].brick(b)[offset]) - plain[std::size_t(c)].deposit[i]));
+        }
+        EXPECT_LE(worst, kRounding) << "direction " << direction << " interpolation " << int(interpolation) << " model "
+                                    << int(model) << " channel " << c << " of " << channels;
+        EXPECT_LE(std::abs(totals.escaped[c] / plain[std::size_t(c)].escaped - 1), kRounding);
+    }
+}
+
+}  // namespace
+
+TEST(Exchange, AgreesWithItsFormulasAlongAllAxes) {
+    for (int major = 0; major < 3; ++major)
+        for (int signs = 0; signs < 8; ++signs) {
+            Vec3 direction;
+            direction[major] = signs & 1 ? 1 : -1;
+            direction[(major + 1) % 3] = signs & 2 ? 0.6 : -0.3;
+            direction[(major + 2) % 3] = signs & 4 ? 0.9 : -0.45;
+            for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
+                for (const MediumExchange model : {MediumExchange::consistent, MediumExchange::paper})
+                    for (const int channels : {1, 3}) expectSameAsPlain(direction, interpolation, model, channels);
+        }
+}
+
+TEST(Exchange, EffectiveAlbedoOfAConservativeVoxelIsOneAtAnyDepth) {
+    const EscapeFit fit = Escape(Matrix3()).fit();
+    alignas(64) float tau[kBrickVoxels], albedo[kBrickVoxels], g[kBrickVoxels];
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        tau[i] = std::pow(10.0f, float(i) * 18 / kBrickVoxels - 9);
+        albedo[i] = 1;
+    }
+    for (const MediumExchange model : {MediumExchange::consistent, MediumExchange::paper}) {
+        effectiveAlbedos(model, fit, tau, albedo, g);
+        for (int i = 0; i < kBrickVoxels; ++i) EXPECT_LE(std::abs(g[i] - 1), 1.2e-7) << "optical depth " << tau[i];
+    }
+    for (int i = 0; i < kBrickVoxels; ++i) albedo[i] = 0.7f;
+    effectiveAlbedos(MediumExchange::consistent, fit, tau, albedo, g);
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        const double p = fit.numerator(double(tau[i])) / fit.denominator(double(tau[i]));
+        EXPECT_LE(std::abs(double(g[i]) / effectiveAlbedo(double(albedo[i]), p) - 1), 1e-6) << tau[i];
+    }
+}
