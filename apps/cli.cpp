@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -64,14 +66,15 @@ class Config : public CLI::ConfigTOML {
 void addCommonOptions(CLI::App& app, CommonOptions& options) {
     const std::string group = "Common options";
     app.add_option("--threads", options.threads, "Number of threads; 0: all cores")
-        ->check(CLI::Range(0, 4096))
+        ->check(CLI::Range(0, 4096).description(""))
         ->capture_default_str()
         ->group(group);
     app.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str()->group(group);
-    app.add_option("--report", options.reportFile, "Write a report to this JSON file")
+    app.add_option("--report", options.reportFile, "Write what was done, and how long it took, to this file")
+        ->type_name("FILE.json")
         ->check([](const std::string& path) { return path == "-" ? "a file name is needed, not '-'" : ""; })
         ->group(group);
-    app.add_flag("--quiet", options.quiet, "No messages, no progress")->group(group);
+    app.add_flag("--quiet", options.quiet, "No messages, no warnings, no progress")->group(group);
     app.add_flag("--verbose", options.verbose, "More messages")->group(group);
     // The library reads config files for the program only; handing it the name lets the option stand where users put
     // it.
@@ -79,12 +82,13 @@ void addCommonOptions(CLI::App& app, CommonOptions& options) {
            "--config", [&app](const std::string& file) { app.get_parent()->get_config_ptr()->add_result(file); },
            "Read options from this TOML or INI file; those on the command line win")
         ->trigger_on_parse()
+        ->type_name("FILE")
         ->configurable(false)
         ->group(group);
 }
 
 void readConfigFiles(CLI::App& program) {
-    program.set_config("--config", "", "Read options from this TOML or INI file");
+    program.set_config("--config", "", "Read options from this TOML or INI file")->type_name("FILE");
     program.config_formatter(std::make_shared<Config>(program));
     program.allow_config_extras(CLI::config_extras_mode::error);
 }
@@ -143,8 +147,31 @@ Color parseColor(const std::string& text, const std::string& option) {
     return c.size() == 1 ? grey(float(c[0])) : Color(float(c[0]), float(c[1]), float(c[2]));
 }
 
+void requireFactor(double value, const std::string& option) {
+    if (!(value >= 0) || std::isinf(value)) usageError(option, "must be a finite number and not negative");
+}
+
 void requireFileOutput(const std::string& path, const std::string& option) {
     if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
+}
+
+std::string numberedName(const std::string& path, int number) {
+    const std::filesystem::path whole(path);
+    char digits[16];
+    std::snprintf(digits, sizeof digits, "_%04d", number);
+    return (whole.parent_path() / (whole.stem().string() + digits + whole.extension().string())).string();
+}
+
+VdbFile withoutLight(const VdbFile& file) {
+    VdbFile rest{file.path, {}, file.metadata};
+    for (const auto& grid : file.grids)
+        if (grid->getName() != "radiosity" && grid->getName() != "unshot") rest.grids.push_back(grid);
+    return rest;
+}
+
+ThreadLimit start(const CommonOptions& options) {
+    if (!options.reportFile.empty()) requireWritable(options.reportFile);
+    return ThreadLimit(options.threads);
 }
 
 void writeReport(const CommonOptions& options, const nlohmann::ordered_json& report) {

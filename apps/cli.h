@@ -3,11 +3,14 @@
 
 #include "command.h"
 
+#include "raysweep/core/parallel.h"
 #include "raysweep/core/progress.h"
 #include "raysweep/core/types.h"
+#include "raysweep/volume/vdb_io.h"
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,12 +33,28 @@ Vec3 parseVec3(const std::string& text, const std::string& option);
 /// Linear RGB, non-negative: one number for grey, or R,G,B or R:G:B.
 Color parseColor(const std::string& text, const std::string& option);
 
+/// @throw CLI::ValidationError unless `value` is finite and not negative.
+void requireFactor(double value, const std::string& option);
+
 /// Parts of `text` between separators; empty parts are kept.
 std::vector<std::string> split(const std::string& text, char separator);
 
 /// Refuses "-" (standard output), which a file that is written in place of another cannot be, and an empty name.
 /// @throw CLI::ValidationError
 void requireFileOutput(const std::string& path, const std::string& option = "--output");
+
+/// `path` with _0001 and so on before its extension: one of a series of files.
+std::string numberedName(const std::string& path, int number);
+
+/// How --help is laid out.
+std::shared_ptr<CLI::FormatterBase> helpFormatter();
+
+/// The grids of `file` without those that `raysweep light` adds, radiosity and unshot.
+VdbFile withoutLight(const VdbFile& file);
+
+/// Every subcommand starts with this: limits the threads for as long as the result lives, and checks that the report
+/// can be written, so that long work does not end in an error that was certain at its start. @throw IoError
+ThreadLimit start(const CommonOptions& options);
 
 /// Makes `--config` read TOML or INI: keys are long option names, either under [subcommand] or before any section,
 /// where they belong to the subcommand that was called. A list of numbers is the same as "n,n,n". Unknown keys are

@@ -2,7 +2,6 @@
 #include "cli.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/parallel.h"
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/volume/grid_select.h"
@@ -87,7 +86,7 @@ void print(const json& result) {
 }
 
 int runCompare(const CompareOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit = start(options.common);
     const FileKind kind = kindOf(options.file);
     if (kind != kindOf(options.reference)) usageError("compare", "both files must be volumes, or both images");
     const json result = kind == FileKind::kVolume ? compareVolumes(options) : compareImageFiles(options);
@@ -114,7 +113,7 @@ void addCompare(CLI::App& app, int& exitCode) {
                         "Grid to compare (default: density, else the only one of type float or vec3s); NAME[1] is the "
                         "second of that name");
     command->add_option("--max-rms", options->maxRms, "Exit with 1 if the RMSE is above this")
-        ->check(CLI::NonNegativeNumber);
+        ->check(CLI::NonNegativeNumber.description(""));
     command->add_flag("--json", options->json, "Print JSON");
     addCommonOptions(*command, options->common);
     command->callback([options, &exitCode] { exitCode = runCompare(*options); });

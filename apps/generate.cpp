@@ -2,7 +2,6 @@
 #include "cli.h"
 
 #include "raysweep/core/output_file.h"
-#include "raysweep/core/parallel.h"
 #include "raysweep/volume/phantom.h"
 #include "raysweep/volume/vdb_io.h"
 
@@ -47,7 +46,7 @@ void runGenerate(GenerateOptions options) {
     options.phantom.seed = options.common.seed;
     requireWritable(options.output);
 
-    const ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit = start(options.common);
     const Timer timer;
     const openvdb::FloatGrid::Ptr grid = kMakers.at(options.kind)(options.phantom);
     grid->setSaveFloatAsHalf(options.half);
@@ -67,20 +66,23 @@ void addGenerate(CLI::App& app, int&) {
     CLI::App* command = app.add_subcommand("generate", "Make a volume: cloud, sphere or box");
     const auto options = std::make_shared<GenerateOptions>();
     PhantomOptions& phantom = options->phantom;
-    command->add_option("kind", options->kind, "What to make")->required()->check(CLI::IsMember(kMakers));
+    command->add_option("kind", options->kind, "What to make")
+        ->required()
+        ->check(CLI::IsMember(kMakers).description(""))
+        ->type_name("cloud|sphere|box");
     command->add_option("-o,--output", options->output, "The .vdb file to write")->required()->type_name("OUT.vdb");
     command->add_option("--size", phantom.size, "Longest edge, voxels")
-        ->check(CLI::Range(2, 4096))
+        ->check(CLI::Range(2, 4096).description(""))
         ->capture_default_str();
     command
         ->add_option("--voxel-size", phantom.voxelSize,
                      "Edge of a voxel, world units (default: longest edge is 2 units)")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::PositiveNumber.description(""));
     command->add_option("--density", phantom.density, "Largest density")
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::PositiveNumber.description(""))
         ->capture_default_str();
     command->add_option("--soft", phantom.soft, "Sphere: width of its soft edge, voxels; 0: none")
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::NonNegativeNumber.description(""))
         ->capture_default_str();
     command->add_option("--dims", options->dims, "Box: voxels along each axis instead of --size")->type_name("X,Y,Z");
     command->add_flag("--half", options->half, "Save as half floats");

@@ -1,7 +1,6 @@
 /// raysweep info: what a .vdb file holds.
 #include "cli.h"
 
-#include "raysweep/core/parallel.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/vdb_io.h"
 
@@ -80,6 +79,15 @@ std::string joined(const json& numbers) {
     return numbers.size() == 1 ? text : "(" + text + ")";
 }
 
+/// Text of several lines starts on a line of its own.
+std::string indented(std::string text) {
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    if (text.find('\n') == std::string::npos) return text;
+    std::string result;
+    for (const std::string& line : split(text, '\n')) result += "\n    " + line;
+    return result;
+}
+
 void printGrid(const json& grid) {
     const std::string name = grid["name"];
     std::cout << (name.empty() ? "(no name)" : name) << ": " << grid["type"].get<std::string>()
@@ -99,7 +107,7 @@ void printGrid(const json& grid) {
         std::cout << "  not finite     " << grid["not_finite"] << " voxels\n";
     std::cout << "  memory         " << joined({grid["memory_bytes"].get<double>() / (1 << 20)}) << " MiB\n";
     for (const auto& [key, value] : grid["metadata"].items())
-        std::cout << "  " << key << " = " << value.get<std::string>() << "\n";
+        std::cout << "  " << key << " = " << indented(value.get<std::string>()) << "\n";
 }
 
 void print(const json& info) {
@@ -117,7 +125,7 @@ struct InfoOptions {
 };
 
 void runInfo(const InfoOptions& options) {
-    const ThreadLimit limit(options.common.threads);
+    const ThreadLimit limit = start(options.common);
     const VdbFile file = readVdb(options.file);
     json info = {{"file", options.file}, {"metadata", metadataToJson(file.metadata)}, {"grids", json::array()}};
     for (const auto& grid : file.grids) info["grids"].push_back(describe(*grid));

@@ -5,16 +5,15 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
-#include "raysweep/core/parallel.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 namespace raysweep::apps {
 namespace {
@@ -31,17 +30,17 @@ void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const Scene& 
     };
     text("raysweep_version", RAYSWEEP_VERSION);
     text("raysweep_options", a.commandLine);
-    text("raysweep_density", scene.medium.density->getName());
+    // As chosen, since a name alone does not tell "density[0]" from "density[1]".
+    text("raysweep_density", a.density.empty() ? scene.medium.density->getName() : a.density);
     text("raysweep_exchange", a.options.exchange == MediumExchange::paper ? "paper" : "medium");
     grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(scene.medium.extinctionScale));
 }
 
-/// All grids of the input that are not what is written now, and what is written now.
+/// All grids of the input and what is written now.
 void writeLit(const std::string& path, const LightArguments& a, const Scene& scene, const VdbFile& input,
               const std::vector<openvdb::GridBase::Ptr>& lit) {
     openvdb::GridCPtrVec grids;
-    for (const auto& grid : input.grids)
-        if (grid->getName() != "radiosity" && grid->getName() != "unshot") grids.push_back(grid);
+    for (const auto& grid : input.grids) grids.push_back(grid);
     for (const auto& grid : lit) {
         setMetadata(*grid, a, scene);
         grid->setSaveFloatAsHalf(a.half);
@@ -74,10 +73,11 @@ const char* nameOf(Termination termination) {
     return "";
 }
 
-nlohmann::json describe(const LightArguments& a, const Illumination& lit, double readSeconds, double writeSeconds) {
+nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit, double readSeconds,
+                                double writeSeconds) {
     const int channels = lit.plan.channels, sweeps = lit.sweeps + lit.finishingSweeps;
     const double sweeping = lit.seconds.sweeps + lit.seconds.finish;
-    nlohmann::json json = {
+    nlohmann::ordered_json json = {
         {"voxels_active", lit.activeVoxels},
         {"sweeps", lit.sweeps},
         {"sweeps_finishing", lit.finishingSweeps},
@@ -98,7 +98,7 @@ nlohmann::json describe(const LightArguments& a, const Illumination& lit, double
     json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
                        {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
                        {"write", writeSeconds}};
-    json["rms_history"] = nlohmann::json::array();
+    json["rms_history"] = nlohmann::ordered_json::array();
     for (const ConvergencePoint& point : lit.history)
         json["rms_history"].push_back({{"sweep", point.sweep}, {"rms", point.rms}, {"unshot", point.unshotShare}});
     return json;
@@ -108,36 +108,52 @@ void explain(const Plan& plan) {
     for (const std::string& reason : plan.reasons) std::cout << reason << "\n";
 }
 
+/// A number as people write it, with two digits.
+std::string brief(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", value);
+    return text;
+}
+
 void comment(const LightArguments& a, const Illumination& lit) {
     if (lit.thickShare > 0)
-        warning(a.common,
-                std::to_string(100 * lit.thickShare).substr(0, 4) +
-                    " % of the voxels have an optical depth above 2, where the grid is too coarse to be accurate");
+        warning(a.common, brief(100 * lit.thickShare) +
+                              " % of the voxels have an optical depth above 2, where the grid is too coarse to be "
+                              "accurate; a lower --extinction or finer voxels help");
     if (lit.invisibleEmitters > 0)
         warning(a.common, std::to_string(lit.invisibleEmitters) +
                               " voxels emit but have no extinction: they light others but cannot be seen themselves");
-    if (lit.activeVoxels == 0) warning(a.common, "the density grid is empty: there is nothing to light");
+    if (lit.activeVoxels == 0)
+        warning(a.common, "the density grid is empty: there is nothing to light");
+    else if (mean(lit.power.injected, lit.plan.channels) == 0)
+        warning(a.common, "no light reaches the volume, so it is black; add --sun, --point, --sky or --emission");
     if (lit.termination == Termination::sweepLimit)
         warning(a.common, "not converged after " + std::to_string(lit.sweeps) + " sweeps; raise --sweeps");
+    if (lit.termination == Termination::interrupted)
+        message(a.common,
+                "stopped after " + std::to_string(lit.sweeps) + " sweeps; '" + a.output + "' holds the answer so far");
     detail(a.common, std::to_string(lit.sweeps) + " sweeps and " + std::to_string(lit.finishingSweeps) +
-                         " to finish, power balance error " + std::to_string(lit.power.error()));
+                         " to finish, power balance error " + brief(lit.power.error()));
 }
 
-std::string snapshotName(const std::string& output, int sweep) {
-    const std::filesystem::path path(output);
-    char number[16];
-    std::snprintf(number, sizeof number, "_%04d", sweep);
-    return (path.parent_path() / (path.stem().string() + number + path.extension().string())).string();
+/// All options as a config file, which makes the same again. Those that were not given and have no default are left
+/// out.
+std::string optionsText(CLI::App& command, const LightArguments& a) {
+    command.get_option("--tolerance")->default_str(brief(a.options.tolerance));
+    std::istringstream all(command.config_to_str(/*default_also=*/true));
+    std::string text;
+    for (std::string line; std::getline(all, line);)
+        if (!line.empty() && line.find("=\"\"") == std::string::npos) text += line + "\n";
+    return text;
 }
 
 int run(LightArguments& a) {
-    completeOptions(a);
-    const ThreadLimit limit(a.common.threads);
+    const ThreadLimit limit = start(a.common);
     if (!a.explain) requireWritable(a.output);
     if (!a.plot.empty()) requirePlot(a.plot);
 
     Timer timer;
-    const VdbFile file = readVdb(a.input);
+    const VdbFile file = withoutLight(readVdb(a.input));
     const Scene scene = buildScene(a, file);
     const double readSeconds = timer.seconds();
     if (a.explain) {
@@ -148,7 +164,7 @@ int run(LightArguments& a) {
     if (a.snapshots > 0) {
         a.options.snapshotEvery = a.snapshots;
         a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
-            writeLit(snapshotName(a.output, sweep), a, scene, file, {radiosity});
+            writeLit(numberedName(a.output, sweep), a, scene, file, {radiosity});
         };
     }
 
@@ -165,8 +181,8 @@ int run(LightArguments& a) {
     writeLit(a.output, a, scene, file, grids);
     const double writeSeconds = timer.seconds();
     comment(a, lit);
-    if (!a.plot.empty()) plotConvergence(a.plot, lit.history, a.options.tolerance);
     writeReport(a.common, describe(a, lit, readSeconds, writeSeconds));
+    if (!a.plot.empty()) plotConvergence(a.plot, lit.history, a.options.tolerance);
     return lit.termination == Termination::interrupted ? kInterrupted : kDone;
 }
 
@@ -177,7 +193,8 @@ void addLight(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LightArguments>();
     addLightOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
-        arguments->commandLine = command->config_to_str(/*default_also=*/true);
+        completeOptions(*arguments);
+        arguments->commandLine = optionsText(*command, *arguments);
         exitCode = run(*arguments);
     });
 }

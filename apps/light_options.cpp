@@ -21,76 +21,99 @@ const std::map<std::string, double> kQualities = {{"draft", 0.03}, {"preview", 0
 
 template <class Value>
 void addChoice(CLI::App& app, const std::string& name, Value& value, const std::map<std::string, Value>& choices,
-               const std::string& shownDefault, const std::string& help) {
+               const std::string& shownDefault, const std::string& shownChoices, const std::string& help) {
     app.add_option_function<std::string>(
            name, [&value, &choices](const std::string& text) { value = choices.at(text); }, help)
-        ->check(CLI::IsMember(choices))
+        ->check(CLI::IsMember(choices).description(""))
+        ->type_name(shownChoices)
         ->default_str(shownDefault);
 }
 
-void addSceneOptions(CLI::App& app, LightArguments& a) {
-    app.add_option("--density", a.density,
-                   "Grid that is lit; NAME[1] is the second of that name (default: density, else the only float grid)")
+void addMediumOptions(CLI::App& app, LightArguments& a) {
+    app.option_defaults()->group("Volume");
+    app.add_option(
+           "--density", a.density,
+           "Grid that is lit; 'NAME[1]' is the second of that name (default: density, else the only float grid)")
         ->type_name("NAME");
-    app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit")->capture_default_str();
+    app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit: how thick the volume is")
+        ->capture_default_str();
     app.add_flag("--from-level-set", a.fromLevelSet, "The density grid is a level set: light its inside as fog");
     app.add_flag("--repair", a.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
-    app.add_option("--albedo", a.albedo, "Single-scattering albedo in [0,1]: one number, R,G,B or grid:NAME")
+    app.add_option(
+           "--albedo", a.albedo,
+           "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid")
         ->capture_default_str()
-        ->type_name("A");
-    app.add_option("--emission", a.emission, "Emitted power density, W/unit^3, isotropic")->type_name("grid:NAME");
+        ->type_name("A|grid:NAME");
+    app.add_option("--emission", a.emission, "Grid of emitted power density, W/unit^3, float or vec3s")
+        ->type_name("grid:NAME");
     app.add_option("--emission-scale", a.emissionScale, "Factor on --emission")->capture_default_str();
+}
+
+void addLightSourceOptions(CLI::App& app, LightArguments& a) {
+    app.option_defaults()->group("Light");
     app.add_option("--sun", a.suns,
-                   "Parallel light travelling along DX,DY,DZ; E: irradiance at normal incidence, W/unit^2, or E:R:G:B; "
-                   "repeatable")
+                   "Parallel light travelling along DX,DY,DZ; E: irradiance at normal incidence, W/unit^2, or E:R:G:B "
+                   "(times a colour); repeatable")
         ->allow_extra_args(false)
         ->type_name("DX,DY,DZ,E");
-    app.add_option("--point", a.points, "Point light anywhere, power P, W, or P:R:G:B; repeatable")
+    app.add_option("--point", a.points,
+                   "Point light, inside or outside the volume; P: power, W, or P:R:G:B; repeatable")
         ->allow_extra_args(false)
         ->type_name("X,Y,Z,P");
-    app.add_option("--sky", a.sky, "Radiance of light from all around, one number or R,G,B")->type_name("L");
+    app.add_option("--sky", a.sky, "Light from all around; radiance, one number or R,G,B")->type_name("L");
     app.add_option("--sky-scale", a.skyScale, "Factor on --sky")->capture_default_str();
 }
 
 void addSolverOptions(CLI::App& app, LightArguments& a) {
+    app.option_defaults()->group("Solver");
     IlluminateOptions& o = a.options;
     app.add_option("--exchange", a.exchange,
                    "What voxels and rays exchange; auto: medium; paper: Algorithm 1 as printed")
-        ->check(CLI::IsMember({"auto", "medium", "paper"}))
+        ->check(CLI::IsMember({"auto", "medium", "paper"}).description(""))
+        ->type_name("auto|medium|paper")
         ->capture_default_str();
     app.add_option("--tolerance", a.tolerance,
-                   "Stop when the RMS difference of radiosity 20 sweeps apart, relative to its RMS, is below this; 0: "
-                   "never (default: 0.01)")
+                   "Stop when 20 sweeps change the answer by less than this part (RMS of radiosity); 0: never "
+                   "(default: 0.01)")
         ->type_name("T");
-    app.add_option("--sweeps", o.sweeps, "Most sweeps; with --tolerance 0 the exact number; 0: single scattering")
+    app.add_option("--sweeps", o.sweeps, "Most sweeps; with --tolerance 0 the exact number; 0: single scattering only")
         ->capture_default_str();
-    app.add_option("--quality", a.quality, "Tolerance by name: draft 0.03, preview 0.01, final 0.003")
-        ->check(CLI::IsMember(kQualities));
+    app.add_option("--quality", a.quality, "The tolerance by name: 0.03, 0.01 or 0.003; --tolerance wins")
+        ->check(CLI::IsMember(kQualities).description(""))
+        ->type_name("draft|preview|final");
     app.add_option("--zeta", o.zeta, "Part of a voxel's unshot power that one sweep shoots, (0,1]")
         ->capture_default_str();
-    addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "How rays and voxels meet");
-    addChoice(app, "--remaining", o.remaining, kRemaining, "shoot", "What becomes of unshot energy at the end");
-    app.add_option("--unshot", o.unshotShare, "--remaining shoot ends when less than this part is unshot")
+    addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "nearest|linear",
+              "How rays and voxels meet");
+    addChoice(app, "--remaining", o.remaining, kRemaining, "shoot", "shoot|drop|spread",
+              "What becomes of light that is still under way after the last sweep");
+    app.add_option("--unshot", o.unshotShare,
+                   "--remaining shoot ends when less than this part of all light is under way")
         ->capture_default_str();
-    addChoice(app, "--directions", o.directions, kDirectionSets, "fibonacci", "How sweep directions are chosen");
+    addChoice(app, "--directions", o.directions, kDirectionSets, "fibonacci", "fibonacci|random|low-discrepancy",
+              "How sweep directions are chosen");
     app.add_option("--batch", o.batch, "Directions per shuffled, rotated Fibonacci batch")->capture_default_str();
 }
 
 void addOutputOptions(CLI::App& app, LightArguments& a) {
-    app.add_flag("--half", a.half, "Save radiosity and unshot as half floats");
-    app.add_option("--snapshots", a.snapshots, "Also write OUT_0020.vdb ... every N sweeps, unshot energy spread")
-        ->check(CLI::Range(0, 1000000))
+    app.option_defaults()->group("Output");
+    app.add_flag("--half", a.half, "Save radiosity and unshot as half floats: half the size, values up to 65504");
+    app.add_option("--snapshots", a.snapshots,
+                   "Also write the answer so far every N sweeps, as OUT_0020.vdb and so on; 0: no")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000000).description(""))
         ->type_name("N");
-    app.add_option("--plot", a.plot, "Draw the convergence")->type_name("FILE.svg|.png");
-    app.add_flag("--explain", a.explain, "Say what will be modelled and why, and stop");
+    app.add_option("--plot", a.plot, "Draw the convergence (needs gnuplot)")->type_name("FILE.svg|.png");
+    app.add_flag("--explain", a.explain, "Say what will be modelled and why, and stop; needs no -o");
 }
 
 /// "E" or "E:R:G:B" for strength times colour.
 Color parseStrength(const std::string& text, const std::string& option, const std::string& example) {
     const std::vector<std::string> parts = split(text, ':');
     if (parts.size() != 1 && parts.size() != 4)
-        usageError(option, "'" + text + "': one number or E:R:G:B is needed, as in " + example);
+        usageError(option, "'" + text + "': one number or E:R:G:B is needed, as in " + option + " " + example);
     const double strength = parseNumber(parts[0], option, example);
+    if (strength < 0) usageError(option, "'" + text + "': light cannot be negative");
     Color color = grey(float(strength));
     for (std::size_t i = 1; i < parts.size(); ++i)
         color[int(i) - 1] = float(strength * parseNumber(parts[i], option, example));
@@ -106,7 +129,8 @@ struct Light {
 /// Three coordinates and a strength.
 Light parseLight(const std::string& text, const std::string& option, const std::string& example) {
     const std::vector<std::string> parts = split(text, ',');
-    if (parts.size() != 4) usageError(option, "'" + text + "': four values are needed, as in " + example);
+    if (parts.size() != 4)
+        usageError(option, "'" + text + "': four values are needed, as in " + option + " " + example);
     Light light;
     for (int i = 0; i < 3; ++i) light.vector[i] = parseNumber(parts[std::size_t(i)], option, example);
     light.strength = parseStrength(parts[3], option, example);
@@ -126,7 +150,7 @@ bool namesGrid(const std::string& text) {
 std::vector<Sun> parseSuns(const LightArguments& a) {
     std::vector<Sun> suns;
     for (const std::string& text : a.suns) {
-        const Light light = parseLight(text, "--sun", "--sun 0.3,-1,0.2,3");
+        const Light light = parseLight(text, "--sun", "0.3,-1,0.2,3");
         if (light.vector.length() == 0) usageError("--sun", "'" + text + "': the direction has no length");
         suns.push_back({light.vector, light.strength});
     }
@@ -136,10 +160,20 @@ std::vector<Sun> parseSuns(const LightArguments& a) {
 std::vector<PointLight> parsePoints(const LightArguments& a) {
     std::vector<PointLight> points;
     for (const std::string& text : a.points) {
-        const Light light = parseLight(text, "--point", "--point 0,0,5,100");
+        const Light light = parseLight(text, "--point", "0,0,5,100");
         points.push_back({light.vector, light.strength});
     }
     return points;
+}
+
+/// Runs `select`, and says on failure which option was to choose the grid.
+template <class Select>
+auto chosenBy(const std::string& option, const Select& select) {
+    try {
+        return select();
+    } catch (const InvalidArgument& e) {
+        throw InvalidArgument(option + ": " + e.what());
+    }
 }
 
 Color parseAlbedo(const std::string& text) {
@@ -149,14 +183,16 @@ Color parseAlbedo(const std::string& text) {
 }
 
 openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile& file) {
-    openvdb::FloatGrid::Ptr density =
-        a.fromLevelSet ? selectLevelSetAsFog(file, a.density) : selectDensity(file, a.density);
+    const openvdb::FloatGrid::Ptr density = chosenBy("--density", [&] {
+        return a.fromLevelSet ? selectLevelSetAsFog(file, a.density) : selectDensity(file, a.density);
+    });
     if (!a.repair) return density;
     const openvdb::FloatGrid::Ptr repaired = density->deepCopy();
     const std::size_t count = repairVoxels(*repaired);
     if (count > 0)
-        warning(a.common, std::to_string(count) + " voxels of '" + density->getName() +
-                              "' were NaN, infinite or negative; they count as 0");
+        warning(a.common, std::to_string(count) + (count > 1 ? " voxels" : " voxel") + " of '" + density->getName() +
+                              (count > 1 ? "' were NaN, infinite or negative and count as 0"
+                                         : "' was NaN, infinite or negative and counts as 0"));
     return repaired;
 }
 
@@ -164,12 +200,15 @@ openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile&
 
 void addLightOptions(CLI::App& app, LightArguments& a) {
     app.add_option("input", a.input, "Volume to light")->required()->type_name("IN.vdb");
-    app.add_option("-o,--output", a.output, "Lit volume: all grids of the input, and radiosity and unshot")
+    app.add_option("-o,--output", a.output,
+                   "Lit volume: all grids of the input, and radiosity and unshot, in place of earlier ones")
         ->type_name("OUT.vdb");
-    addSceneOptions(app, a);
+    addMediumOptions(app, a);
+    addLightSourceOptions(app, a);
     addSolverOptions(app, a);
     addOutputOptions(app, a);
     addCommonOptions(app, a.common);
+    app.footer("Example:\n  raysweep light smoke.vdb -o lit.vdb --extinction 0.12 --sun 0.3,-1,0.2,3 --sky 0.3\n");
 }
 
 void completeOptions(LightArguments& a) {
@@ -184,8 +223,13 @@ void completeOptions(LightArguments& a) {
     } catch (const InvalidArgument& e) {
         usageError("options", e.what());
     }
-    if (!(a.extinction >= 0)) usageError("--extinction", "must not be negative");
-    if (!namesGrid(a.albedo)) parseAlbedo(a.albedo);
+    requireFactor(a.extinction, "--extinction");
+    requireFactor(a.emissionScale, "--emission-scale");
+    requireFactor(a.skyScale, "--sky-scale");
+    if (namesGrid(a.albedo))
+        gridName(a.albedo, "--albedo");
+    else
+        parseAlbedo(a.albedo);
     if (!a.emission.empty()) gridName(a.emission, "--emission");
     parseSuns(a);
     parsePoints(a);
@@ -197,10 +241,13 @@ Scene buildScene(const LightArguments& a, const VdbFile& file) {
     scene.medium.density = densityFrom(a, file);
     scene.medium.extinctionScale = a.extinction;
     if (namesGrid(a.albedo))
-        scene.medium.albedoGrid = selectGrid(file, gridName(a.albedo, "--albedo"));
+        scene.medium.albedoGrid =
+            chosenBy("--albedo", [&] { return selectGrid(file, gridName(a.albedo, "--albedo")); });
     else
         scene.medium.albedo = parseAlbedo(a.albedo);
-    if (!a.emission.empty()) scene.medium.emission = selectGrid(file, gridName(a.emission, "--emission"));
+    if (!a.emission.empty())
+        scene.medium.emission =
+            chosenBy("--emission", [&] { return selectGrid(file, gridName(a.emission, "--emission")); });
     scene.medium.emissionScale = a.emissionScale;
     scene.suns = parseSuns(a);
     scene.points = parsePoints(a);

@@ -38,6 +38,7 @@ int main(int argc, char** argv) {
     app.require_subcommand(1);
     app.set_version_flag("--version", "raysweep " RAYSWEEP_VERSION);
     app.failure_message(describeUsageError);
+    app.formatter(helpFormatter());  // subcommands inherit it
     readConfigFiles(app);
     int exitCode = kDone;
     for (const auto add : kSubcommands) add(app, exitCode);

@@ -3,7 +3,6 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
-#include "raysweep/core/parallel.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
 #include "raysweep/volume/grid_select.h"
@@ -13,8 +12,6 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -40,38 +37,40 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->required()
         ->allow_extra_args(false)
         ->type_name("FILE");
+    app.option_defaults()->group("Camera");
     app.add_option("--size", a.size, "Width and height, pixels")->capture_default_str()->type_name("W,H");
     app.add_option("--eye", a.eye, "Where the camera stands, world units (default: so that all is seen)")
         ->type_name("X,Y,Z");
     app.add_option("--target", a.target, "Point in the middle of the picture (default: the volume's middle)")
         ->type_name("X,Y,Z");
     app.add_option("--up", a.up, "Direction that points up in the picture (default: 0,0,1)")->type_name("X,Y,Z");
-    auto* fov = app.add_option("--fov", a.fov, "Vertical field of view, degrees")->capture_default_str();
-    app.add_option("--ortho", a.orthoWidth, "Parallel projection; width of the picture, world units")
+    auto* fov =
+        app.add_option("--fov", a.fov, "Vertical field of view, degrees")->type_name("DEG")->capture_default_str();
+    app.add_option("--ortho", a.orthoWidth, "Parallel projection instead of --fov; width of the picture, world units")
         ->type_name("WIDTH")
         ->excludes(fov);
-    app.add_option("--background", a.background, "Linear radiance behind the volume, one number or three; RGB holds it")
+    app.option_defaults()->group("Picture");
+    app.add_option(
+           "--background", a.background,
+           "Linear radiance behind the volume, one number or R,G,B; part of the picture's colour, not of its alpha")
         ->capture_default_str()
         ->type_name("R,G,B");
+    app.option_defaults()->group("Volume");
     app.add_option("--density", a.densityName, "Density grid (default: the one that was lit)")->type_name("NAME");
     app.add_option("--extinction", a.extinction,
                    "Extinction per unit density, 1/world unit (default: as it was lit, else 1)");
+    app.option_defaults()->group("Picture");
     app.add_option("--step", a.options.step, "Distance between samples, voxels")->capture_default_str();
     app.add_option("--samples", a.options.samples, "Rays per pixel along each side: 2 means 2 x 2")
         ->capture_default_str();
     app.add_flag("--lambert", a.options.lambert, "Multiply by the cosine between view and surface normal");
     app.add_option("--turntable", a.turntable, "Number of frames around the axis up; writes name_0001.png ...")
-        ->check(CLI::Range(1, 9999))
+        ->check(CLI::Range(1, 9999).description(""))
         ->type_name("N");
-    app.add_option("--exposure", a.exposure, "Brightness of .png pictures, stops (EV)")->capture_default_str();
+    app.add_option("--exposure", a.exposure, "Brightness of .png pictures, stops: 1 is twice as bright")
+        ->type_name("EV")
+        ->capture_default_str();
     addCommonOptions(app, a.common);
-}
-
-std::string frameName(const std::string& output, int frame) {
-    const std::filesystem::path path(output);
-    char number[16];
-    std::snprintf(number, sizeof number, "_%04d", frame + 1);
-    return (path.parent_path() / (path.stem().string() + number + path.extension().string())).string();
 }
 
 /// Fails now rather than after the rendering.
@@ -80,7 +79,7 @@ void requireOutputs(const Arguments& a) {
         requireFileOutput(output, "--output");
         if (imageFormat(output) == ImageFormat::Unknown)
             usageError("--output", "'" + output + "' must end in .exr or .png");
-        requireWritable(a.turntable ? frameName(output, 0) : output);
+        requireWritable(a.turntable ? numberedName(output, 1) : output);
     }
 }
 
@@ -93,14 +92,9 @@ double numberFrom(const openvdb::Metadata& metadata) {
 
 /// Finds the grids; what the user leaves open is as it was when the file was lit.
 RenderInput selectInput(const Arguments& a, const VdbFile& file) {
-    VdbFile others{file.path, {}, {}};
     openvdb::GridBase::ConstPtr radiosity;
-    for (const auto& grid : file.grids) {
-        if (grid->getName() == "radiosity")
-            radiosity = grid;
-        else if (grid->getName() != "unshot")
-            others.grids.push_back(grid);
-    }
+    for (const auto& grid : file.grids)
+        if (grid->getName() == "radiosity") radiosity = grid;
     if (!radiosity)
         throw InvalidArgument("'" + file.path + "' has no grid 'radiosity': run 'raysweep light " + file.path +
                               " -o LIT.vdb' first and render LIT.vdb");
@@ -108,7 +102,7 @@ RenderInput selectInput(const Arguments& a, const VdbFile& file) {
     const auto litDensity = (*radiosity)["raysweep_density"], litExtinction = (*radiosity)["raysweep_extinction"];
     if (name.empty() && litDensity) name = litDensity->str();
     RenderInput input;
-    input.density = selectDensity(others, name);
+    input.density = selectDensity(withoutLight(file), name);
     input.radiosity = radiosity;
     input.extinctionScale = a.extinction ? *a.extinction : litExtinction ? numberFrom(*litExtinction) : 1.0;
     return input;
@@ -150,7 +144,7 @@ Camera place(Camera lens, const Arguments& a, const openvdb::GridBase& density) 
 
 void writeFrame(const Arguments& a, const Image& image, int frame) {
     for (const std::string& output : a.outputs) {
-        const std::string path = a.turntable ? frameName(output, frame) : output;
+        const std::string path = a.turntable ? numberedName(output, frame + 1) : output;
         writeImage(path, imageFormat(path) == ImageFormat::Png ? toneMap(image, a.exposure) : image);
         detail(a.common, "wrote " + path);
     }
@@ -163,23 +157,23 @@ std::array<double, 4> channelSums(const Image& image) {
     return sums;
 }
 
-nlohmann::json listOf(const Vec3& v) {
+nlohmann::ordered_json listOf(const Vec3& v) {
     return {v.x, v.y, v.z};
 }
 
-nlohmann::json describe(const Arguments& a, const RenderInput& input, const Camera& camera) {
-    nlohmann::json json = {{"input", a.input},
-                           {"outputs", a.outputs},
-                           {"width", camera.width},
-                           {"height", camera.height},
-                           {"density", input.density->getName()},
-                           {"extinction", input.extinctionScale},
-                           {"step", a.options.step},
-                           {"samples", a.options.samples},
-                           {"lambert", a.options.lambert},
-                           {"eye", listOf(camera.eye)},
-                           {"target", listOf(camera.target)},
-                           {"up", listOf(camera.up)}};
+nlohmann::ordered_json describe(const Arguments& a, const RenderInput& input, const Camera& camera) {
+    nlohmann::ordered_json json = {{"input", a.input},
+                                   {"outputs", a.outputs},
+                                   {"width", camera.width},
+                                   {"height", camera.height},
+                                   {"density", input.density->getName()},
+                                   {"extinction", input.extinctionScale},
+                                   {"step", a.options.step},
+                                   {"samples", a.options.samples},
+                                   {"lambert", a.options.lambert},
+                                   {"eye", listOf(camera.eye)},
+                                   {"target", listOf(camera.target)},
+                                   {"up", listOf(camera.up)}};
     const bool parallel = camera.projection == Camera::Projection::Orthographic;
     json[parallel ? "ortho" : "fov"] = parallel ? camera.orthoWidth : camera.fov;
     return json;
@@ -195,13 +189,14 @@ Camera requireArguments(Arguments& a) {
     } catch (const InvalidArgument& e) {
         usageError("render", e.what());
     }
+    if (a.extinction) requireFactor(*a.extinction, "--extinction");
     if (!std::isfinite(a.exposure)) usageError("--exposure", "must be finite");
     requireOutputs(a);
     return lens;
 }
 
 int run(Arguments& a) {
-    const ThreadLimit limit(a.common.threads);
+    const ThreadLimit limit = start(a.common);
     const Camera lens = requireArguments(a);
     const RenderInput input = selectInput(a, readVdb(a.input));
     const Camera camera = place(lens, a, *input.density);
@@ -225,7 +220,7 @@ int run(Arguments& a) {
         complete = result.complete;
     }
     for (double& m : mean) m /= done;
-    nlohmann::json json = describe(a, input, camera);
+    nlohmann::ordered_json json = describe(a, input, camera);
     json["seconds"] = seconds;
     json["mean"] = mean;
     json["frames"] = done;

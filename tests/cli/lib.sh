@@ -1,7 +1,9 @@
-# Sourced by every test_*.sh. $1 of the script is the binary, $2 a folder to work in; both end up in variables.
+# Sourced by every test_*.sh. $1 of the script is the binary, $2 a folder to work in, $3 a program that makes volumes
+# (make_volume.cpp); all end up in variables.
 set -u
 raysweep=$1
 work=$2
+make_volume=${3:-}
 data=${RAYSWEEP_DATA:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/../shared/data}
 failures=0
 

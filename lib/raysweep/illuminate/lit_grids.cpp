@@ -97,7 +97,10 @@ template <class GridType>
 void extend(GridType& grid) {
     using ValueType = typename GridType::ValueType;
     using Manager = openvdb::tree::LeafManager<typename GridType::TreeType>;
-    openvdb::tools::dilateActiveValues(grid.tree(), 1, openvdb::tools::NN_FACE_EDGE_VERTEX);
+    // The grid has no tiles and must not get any: keeping tiles would prune leaves of one value, which the loops below
+    // do not see, to tiles.
+    openvdb::tools::dilateActiveValues(grid.tree(), 1, openvdb::tools::NN_FACE_EDGE_VERTEX,
+                                       openvdb::tools::IGNORE_TILES);
     Manager leaves(grid.tree());
     leaves.foreach ([&](auto& leaf, std::size_t) {
         const typename GridType::ConstUnsafeAccessor accessor(grid.tree());

@@ -1,0 +1,141 @@
+/// make_volume KIND OUT.vdb: volumes for the tests of the command line that `raysweep generate` does not make, most of
+/// them with something wrong. Where nothing else is said: a box of 12x10x8 voxels of 0.1 units with density 1.
+#include "raysweep/volume/grids.h"
+#include "raysweep/volume/vdb_io.h"
+
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <array>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <map>
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::CoordBBox;
+using openvdb::FloatGrid;
+using openvdb::Vec3d;
+using openvdb::Vec3s;
+using openvdb::Vec3SGrid;
+using Transform = openvdb::math::Transform;
+using Grids = openvdb::GridCPtrVec;
+
+const CoordBBox kBox(Coord(0), Coord(11, 9, 7));
+const Vec3d kSize(0.1);
+
+template <class GridType>
+typename GridType::Ptr filled(const std::string& name, const typename GridType::ValueType& value,
+                              const Transform::Ptr& transform = Transform::createLinearTransform(kSize[0])) {
+    const auto grid = GridType::create();
+    grid->denseFill(kBox, value, /*active=*/true);
+    grid->setName(name);
+    grid->setTransform(transform);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return grid;
+}
+
+FloatGrid::Ptr density(const Transform::Ptr& transform = Transform::createLinearTransform(kSize[0])) {
+    return filled<FloatGrid>("density", 1.0f, transform);
+}
+
+Grids withVoxel(float value) {
+    const FloatGrid::Ptr grid = density();
+    grid->tree().setValue(Coord(3, 4, 5), value);
+    return {grid};
+}
+
+Grids withMatrix(const std::array<double, 16>& rows) {
+    return {density(Transform::createLinearTransform(openvdb::Mat4d(rows.data())))};
+}
+
+Grids levelSet() {
+    const auto grid = openvdb::tools::createLevelSetSphere<FloatGrid>(0.5f, Vec3s(0), 0.05f);
+    grid->setName("density");
+    return {grid};
+}
+
+Grids points() {
+    const std::vector<Vec3s> positions{Vec3s(0), Vec3s(1)};
+    const auto grid = openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
+        positions, *Transform::createLinearTransform(kSize[0]));
+    grid->setName("density");
+    return {grid};
+}
+
+/// Eight whole leaves, half of them active and empty, as simulations leave them behind.
+Grids emptyLeaves() {
+    const FloatGrid::Ptr grid = density();
+    grid->denseFill(CoordBBox(Coord(0), Coord(31, 15, 15)), 1.0f);
+    grid->denseFill(CoordBBox(Coord(16, 0, 0), Coord(31, 15, 15)), 0.0f);
+    return {grid};
+}
+
+/// One tile, which is how files hold uniform regions.
+Grids tile() {
+    const FloatGrid::Ptr grid = FloatGrid::create();
+    grid->setTransform(density()->transformPtr());
+    grid->setName("density");
+    grid->tree().addTile(1, Coord(0), 1.0f, true);
+    return {grid};
+}
+
+Grids materials() {
+    return {density(),
+            filled<FloatGrid>("reflectance", 0.5f),
+            filled<Vec3SGrid>("Cd", Vec3s(0.9f, 0.6f, 0.3f)),
+            filled<FloatGrid>("heat", 2.0f),
+            filled<Vec3SGrid>("glow", Vec3s(3, 2, 1)),
+            filled<FloatGrid>("too-white", 1.5f)};
+}
+
+const std::map<std::string, std::function<Grids()>> kMakers = {
+    {"plain", [] { return Grids{density()}; }},
+    {"materials", materials},
+    {"empty", [] { return Grids{FloatGrid::create()}; }},
+    {"empty-leaves", emptyLeaves},
+    {"tile", tile},
+    {"no-float", [] { return Grids{filled<openvdb::Int32Grid>("ids", 3)}; }},
+    {"no-grid", [] { return Grids{}; }},
+    {"two-floats",
+     [] {
+         return Grids{filled<FloatGrid>("smoke", 1), filled<FloatGrid>("fuel", 1)};
+     }},
+    {"only-float", [] { return Grids{filled<FloatGrid>("smoke", 1)}; }},
+    {"same-name",
+     [] {
+         return Grids{density(), filled<FloatGrid>("density", 2)};
+     }},
+    {"level-set", levelSet},
+    {"points", points},
+    {"nan", [] { return withVoxel(std::numeric_limits<float>::quiet_NaN()); }},
+    {"infinite", [] { return withVoxel(std::numeric_limits<float>::infinity()); }},
+    {"negative", [] { return withVoxel(-2); }},
+    {"stretched",
+     [] {
+         return withMatrix({.1, 0, 0, 0, 0, .2, 0, 0, 0, 0, .05, 0, 1, 2, 3, 1});
+     }},
+    {"sheared",
+     [] {
+         return withMatrix({.1, 0, 0, 0, .05, .1, 0, 0, 0, .02, .1, 0, 0, 0, 0, 1});
+     }},
+    {"frustum",
+     [] {
+         const openvdb::BBoxd box(Vec3d(0), Vec3d(12, 10, 8));
+         return Grids{density(Transform::createFrustumTransform(box, 0.5, 1))};
+     }},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 3 || kMakers.count(argv[1]) == 0) {
+        std::fprintf(stderr, "usage: make_volume KIND OUT.vdb\n");
+        return 2;
+    }
+    raysweep::initializeGrids();
+    raysweep::writeVdb(argv[2], kMakers.at(argv[1])());
+    return 0;
+}
