@@ -46,8 +46,9 @@ struct McScene {
     std::optional<McSun> sun;
     std::optional<McSky> sky;
     std::vector<McPointLight> pointLights;
-    /// Packets start at evenly spread points: good where light is hardly scattered. Such points of seven coordinates lie
-    /// on few planes, so where block averages of scattered light count, independent points have a third of the noise.
+    /// Packets start at evenly spread points: good where light is hardly scattered. Such points of seven coordinates
+    /// lie on few planes, so where block averages of scattered light count, independent points have a third of the
+    /// noise.
     bool evenLight = true;
 };
 

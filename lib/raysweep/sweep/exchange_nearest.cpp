@@ -43,6 +43,15 @@ HWY_INLINE Mask lanesBetween(int lane, int begin, int end) {
     return hn::And(hn::Ge(index, hn::Set(kLanes, float(begin))), hn::Lt(index, hn::Set(kLanes, float(end))));
 }
 
+/// Nothing there that could change a ray or be changed by one. In sparse volumes many rows of a brick are like this.
+template <int kChannels>
+HWY_INLINE bool isEmpty(const BrickRows& brick, int at, Vec tau) {
+    Vec any = tau;
+    for (int c = 0; c < kChannels; ++c)
+        any = hn::Or(any, hn::Or(hn::Load(kLanes, brick.unshot[c] + at), hn::Load(kLanes, brick.source[c] + at)));
+    return hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)));
+}
+
 /// Stores lanes [begin, end) of a row, or all if not clipped. The other lanes may be another tile's: they stay
 /// untouched.
 template <bool kClipped>
@@ -61,6 +70,7 @@ HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, in
                             std::size_t raysStride, int begin, int end) {
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, brick.tau + at + lane);
+        if (isEmpty<kChannels>(brick, at + lane, tau)) continue;
         RowTerms terms = rowTerms<kModel>(step, tau);
         if (kClipped) {
             const Mask taking = lanesBetween(lane, begin, end);
@@ -145,14 +155,14 @@ struct TransposedBrick {
 
 /// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
 template <int kChannels>
-HWY_INLINE void prefetchEighth(const BrickRows& next, int j) {
+HWY_INLINE void prefetchEighth(const BrickRows& now, const BrickRows& next, int j) {
     constexpr int kEighth = kBrickVoxels / kBrickEdge, kLine = 16;
     for (int i = j * kEighth; i < (j + 1) * kEighth; i += kLine) {
         hwy::Prefetch(next.tau + i);
         for (int c = 0; c < kChannels; ++c) {
             hwy::Prefetch(next.unshot[c] + i);
             hwy::Prefetch(next.deposit[c] + i);
-            hwy::Prefetch(next.source[c] + i);
+            if (next.source[c] != now.source[c]) hwy::Prefetch(next.source[c] + i);
         }
     }
 }
@@ -162,7 +172,7 @@ HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, con
                               const BrickRows& brick, const BrickRows& next, TileRays& rays) {
     const int columns = rays.columns();
     for (int j = 0; j < kBrickEdge; ++j) {
-        prefetchEighth<kChannels>(next, j);
+        prefetchEighth<kChannels>(brick, next, j);
         if (overlap.missesColumns(j, columns, 0)) continue;
         const int column = overlap.column[j], row = overlap.row[j];
         const int first = std::max(0, -row), last = std::min(kBrickEdge, rays.rows() - row) - 1;

@@ -8,7 +8,6 @@
 
 #include "raysweep/sweep/exchange.h"
 
-#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -32,10 +31,41 @@ struct RowTerms {
     Vec denominator;
 };
 
-HWY_INLINE Vec polynomial(Vec t, float c1, float c2, float c3, float c4) {
-    const Vec inner = hn::MulAdd(t, hn::Set(kLanes, c4), hn::Set(kLanes, c3));
-    const Vec middle = hn::MulAdd(t, inner, hn::Set(kLanes, c2));
-    return hn::MulAdd(t, hn::MulAdd(t, middle, hn::Set(kLanes, c1)), hn::Set(kLanes, 1.0f));
+/// 1 + c0 t + c1 t^2 + c2 t^3
+HWY_INLINE Vec cubic(Vec t, const float* c) {
+    const Vec inner = hn::MulAdd(t, hn::Set(kLanes, c[2]), hn::Set(kLanes, c[1]));
+    return hn::MulAdd(t, hn::MulAdd(t, inner, hn::Set(kLanes, c[0])), hn::Set(kLanes, 1.0f));
+}
+
+/// 1 + c0 t + c1 t^2 + c2 t^3 + c3 t^4
+HWY_INLINE Vec quartic(Vec t, const float* c) {
+    return hn::MulAdd(
+        t,
+        hn::MulAdd(t, hn::MulAdd(t, hn::MulAdd(t, hn::Set(kLanes, c[3]), hn::Set(kLanes, c[2])), hn::Set(kLanes, c[1])),
+                   hn::Set(kLanes, c[0])),
+        hn::Set(kLanes, 1.0f));
+}
+
+/// 1/x to about 1e-7, quicker than a division: an estimate and one Newton step.
+HWY_INLINE Vec reciprocal(Vec x) {
+    const Vec estimate = hn::ApproximateReciprocal(x);
+    return hn::Mul(estimate, hn::NegMulAdd(x, estimate, hn::Set(kLanes, 2.0f)));
+}
+
+/// 1 - exp(-x) for x >= 0, to 4e-7 of itself however small x is. With x = n ln 2 + r it is (1 - 2^-n) + 2^-n (1 -
+/// exp(-r)), |r| <= ln 2 / 2, and the last term is a Taylor series without its constant.
+HWY_INLINE Vec opacityOf(Vec x) {
+    constexpr float kInverseLn2 = 1.44269504f, kLn2High = 0.693359375f, kLn2Low = -2.12194440e-4f, kOpaque = 80.0f;
+    const hn::RebindToSigned<Lanes> kWholes;
+    x = hn::Min(x, hn::Set(kLanes, kOpaque));
+    const Vec n = hn::Round(hn::Mul(x, hn::Set(kLanes, kInverseLn2)));
+    const Vec r = hn::NegMulAdd(n, hn::Set(kLanes, kLn2Low), hn::NegMulAdd(n, hn::Set(kLanes, kLn2High), x));
+    Vec series = hn::Set(kLanes, 1.0f / 5040);
+    for (const float c : {1.0f / 720, 1.0f / 120, 1.0f / 24, 1.0f / 6, 0.5f, 1.0f})
+        series = hn::NegMulAdd(series, r, hn::Set(kLanes, c));
+    const auto exponent = hn::Sub(hn::Set(kWholes, 127), hn::ConvertTo(kWholes, n));
+    const Vec power = hn::BitCast(kLanes, hn::ShiftLeft<23>(exponent));
+    return hn::MulAdd(power, hn::Mul(series, r), hn::Sub(hn::Set(kLanes, 1.0f), power));
 }
 
 template <MediumExchange kModel>
@@ -43,17 +73,15 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     const Vec one = hn::Set(kLanes, 1.0f);
     const Vec along = hn::Max(hn::Mul(tau, hn::Set(kLanes, step.stepScale)), hn::Set(kLanes, kThinnest));
     RowTerms terms;
-    terms.opacity = hn::Min(hn::Neg(hn::Expm1(kLanes, hn::Neg(along))), one);
+    terms.opacity = hn::Min(opacityOf(along), one);
     if (kModel == MediumExchange::paper) {
         terms.shot = hn::Set(kLanes, step.zeta);
         terms.numerator = terms.denominator = one;
         return terms;
     }
-    const float* a = step.escape.a;
-    const float* b = step.escape.b;
-    terms.numerator = polynomial(tau, b[0], b[1], b[2], 0.0f);
-    terms.denominator = polynomial(tau, a[0], a[1], a[2], a[3]);
-    const Vec ratio = hn::Div(hn::Mul(terms.opacity, terms.denominator), hn::Mul(along, terms.numerator));
+    terms.numerator = cubic(tau, step.escape.b);
+    terms.denominator = quartic(tau, step.escape.a);
+    const Vec ratio = hn::Mul(hn::Mul(terms.opacity, terms.denominator), reciprocal(hn::Mul(along, terms.numerator)));
     terms.shot = hn::Min(hn::Mul(ratio, hn::Set(kLanes, step.zeta)), one);
     return terms;
 }
@@ -63,7 +91,7 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
 HWY_INLINE Vec effectiveAlbedo(const RowTerms& terms, Vec albedo) {
     const Vec scattered = hn::Mul(albedo, terms.numerator);
     const Vec absorbing = hn::Sub(hn::Set(kLanes, 1.0f), albedo);
-    return hn::Div(scattered, hn::MulAdd(absorbing, terms.denominator, scattered));
+    return hn::Mul(scattered, reciprocal(hn::MulAdd(absorbing, terms.denominator, scattered)));
 }
 
 }  // namespace

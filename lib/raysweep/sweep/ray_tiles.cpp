@@ -6,32 +6,48 @@
 namespace raysweep {
 namespace {
 
-/// The lattice along one lateral axis, cut into equal pieces.
+/// The lattice along one lateral axis, cut into pieces of 2^bits rays.
 struct Cut {
     RayRange extent;
-    int size;
+    int bits;
 
-    int count() const { return (extent.size() + size - 1) / size; }
-    int pieceOf(int ray) const { return (ray - extent.begin) / size; }
+    int count() const { return ((extent.size() - 1) >> bits) + 1; }
+    int pieceOf(int ray) const { return (ray - extent.begin) >> bits; }
     RayRange piece(int i) const {
-        const int begin = extent.begin + i * size;
-        return {begin, std::min(begin + size, extent.end)};
+        const int begin = extent.begin + (i << bits);
+        return {begin, i + 1 < count() ? begin + (1 << bits) : extent.end};
     }
 };
 
 /// A periodic axis needs an even number of full pieces, or one, for neighbours across the border to differ in colour.
-Cut cutLateral(const RayFront& front, const Lateral& lateral, int size) {
+Cut cutLateral(const RayFront& front, const Lateral& lateral, int bits) {
+    constexpr int kOnePiece = 30;
     const RayRange extent = rayExtent(front, lateral);
-    Cut cut{extent, size};
-    if (lateral.periodic && extent.size() % (2 * size) != 0) cut.size = extent.size();
-    return cut;
+    const bool evenPieces = extent.size() % (2 << bits) == 0;
+    return {extent, lateral.periodic && !evenPieces ? kOnePiece : bits};
 }
 
-/// Rays that a brick at `low` meets in slices [step, step + 8).
-RayRange raysOfBrick(const RayFront& front, const Lateral& lateral, int low, int step) {
-    const auto [least, most] = std::minmax({lateral.shift(step), lateral.shift(step + kBrickEdge - 1)});
-    return {low - front.reach - most, low + kBrickEdge - least};
-}
+/// Rays that a brick at lateral coordinate 0 meets in the eight slices of its layer.
+struct LayerReach {
+    int step = -1;
+    RayRange columns, rows;
+
+    LayerReach(const RayFront& front, int firstStep)
+        : step(firstStep), columns(of(front, front.column)), rows(of(front, front.row)) {}
+
+    RayRange of(const RayFront& front, const Lateral& lateral) const {
+        const auto [least, most] = std::minmax({lateral.shift(step), lateral.shift(step + kBrickEdge - 1)});
+        return {-front.reach - most, kBrickEdge - least};
+    }
+};
+
+/// Pieces [first, last] of a cut that meet rays [low + reach.begin, low + reach.end).
+struct Pieces {
+    int first, last;
+    Pieces(const Cut& cut, const RayRange& reach, int low)
+        : first(cut.pieceOf(std::max(low + reach.begin, cut.extent.begin))),
+          last(cut.pieceOf(std::min(low + reach.end, cut.extent.end) - 1)) {}
+};
 
 struct Pair {
     std::uint32_t tile;
@@ -73,14 +89,13 @@ class TileNumbers {
 /// Calls `meet(low)` for the brick coordinate `low`, or in a periodic volume for each of its images, that meets rays of
 /// `cut`.
 template <class Meet>
-void forEachImage(const RayFront& front, const Lateral& lateral, const Cut& cut, int low, int step, const Meet& meet) {
+void forEachImage(const Lateral& lateral, const Cut& cut, const RayRange& reach, int low, const Meet& meet) {
     if (!lateral.periodic) return meet(low);
-    const RayRange rays = raysOfBrick(front, lateral, low, step);
     const int period = lateral.size();
     const auto floorDivide = [](int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); };
     // Upwind images first: a ray that leaves on one side comes in again on the other.
-    const int first = floorDivide(cut.extent.begin - rays.end + 1 + period - 1, period);
-    const int last = floorDivide(cut.extent.end - 1 - rays.begin, period);
+    const int first = floorDivide(cut.extent.begin - (low + reach.end), period) + 1;
+    const int last = floorDivide(cut.extent.end - 1 - (low + reach.begin), period);
     for (int i = first; i <= last; ++i) meet(low + i * period);
 }
 
@@ -130,23 +145,22 @@ RayTiles groupByTile(const TileNumbers& numbers, const std::vector<Pair>& pairs)
 }  // namespace
 
 RayTiles cutIntoTiles(const RayFront& front, const BrickLayout& layout, const TileIndex& index) {
-    const Cut columns = cutLateral(front, front.column, kTileColumns);
-    const Cut rows = cutLateral(front, front.row, kTileRows);
+    const Cut columns = cutLateral(front, front.column, kTileColumnBits);
+    const Cut rows = cutLateral(front, front.row, kTileRowBits);
     TileNumbers numbers(columns, rows);
     std::vector<Pair> pairs;
     pairs.reserve(2 * layout.brickCount());
 
+    LayerReach reach(front, 0);
     index.forEach(front.ascending, front.row.slope >= 0, front.column.slope >= 0, [&](std::uint32_t b) {
         const Index3& origin = layout.origins[b];
         const int step = front.firstStep(origin[front.axis.major]);
-        forEachImage(front, front.row, rows, origin[front.axis.row], step, [&](int row) {
-            forEachImage(front, front.column, columns, origin[front.axis.column], step, [&](int column) {
-                const RayRange u = raysOfBrick(front, front.column, column, step);
-                const RayRange v = raysOfBrick(front, front.row, row, step);
-                const int lastRow = rows.pieceOf(std::min(v.end, rows.extent.end) - 1);
-                const int lastColumn = columns.pieceOf(std::min(u.end, columns.extent.end) - 1);
-                for (int r = rows.pieceOf(std::max(v.begin, rows.extent.begin)); r <= lastRow; ++r)
-                    for (int c = columns.pieceOf(std::max(u.begin, columns.extent.begin)); c <= lastColumn; ++c)
+        if (step != reach.step) reach = LayerReach(front, step);
+        forEachImage(front.row, rows, reach.rows, origin[front.axis.row], [&](int row) {
+            forEachImage(front.column, columns, reach.columns, origin[front.axis.column], [&](int column) {
+                const Pieces v(rows, reach.rows, row), u(columns, reach.columns, column);
+                for (int r = v.first; r <= v.last; ++r)
+                    for (int c = u.first; c <= u.last; ++c)
                         pairs.push_back({numbers.number(c, r), {b, column, row, step}});
             });
         });

@@ -10,10 +10,10 @@
 
 namespace raysweep {
 
-// Rays of a tile. Its energies must stay in a core's nearest cache; rows are fewer than columns because a brick cut
-// between two rows costs less than one cut between two columns. Measured in bench/runtime.
-constexpr int kTileColumns = 128;
-constexpr int kTileRows = 32;
+// A tile has at most 512 x 32 rays. Few rows, so that there are tiles for all threads; many columns, because a brick
+// that is cut between two columns costs more than one cut between two rows. Measured in bench/runtime.
+constexpr int kTileColumnBits = 9;
+constexpr int kTileRowBits = 5;
 
 /// A brick as a front meets it.
 struct BrickVisit {

@@ -71,17 +71,4 @@ void TileRays::goOn(const RayFront& front, const RayTile& tile, CrossingRays& le
     }
 }
 
-Overlap::Overlap(const RayFront& front, const RayTile& tile, const BrickVisit& visit) {
-    const int columns = tile.columns.size(), rows = tile.rows.size();
-    for (int j = 0; j < kBrickEdge; ++j) {
-        slice[j] = front.ascending ? j : kBrickEdge - 1 - j;
-        column[j] = visit.column - front.column.shift(visit.step + j) - tile.columns.begin;
-        row[j] = visit.row - front.row.shift(visit.step + j) - tile.rows.begin;
-        clipped = clipped || column[j] < front.reach || column[j] + kBrickEdge > columns;
-        firstRow = std::min(firstRow, std::max(0, -row[j]));
-        lastRow = std::max(lastRow, std::min(kBrickEdge, rows - row[j] + front.reach) - 1);
-    }
-    firstRow = std::max(0, firstRow);
-}
-
 }  // namespace raysweep
