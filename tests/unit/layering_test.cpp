@@ -37,7 +37,8 @@ TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
         std::ifstream source(entry.path());
         for (std::string line; std::getline(source, line);) {
             const std::string included = includedModule(line);
-            if (!included.empty()) EXPECT_LE(rankOf(included), rankOf(module)) << entry.path() << ": " << line;
+            if (included.empty()) continue;
+            EXPECT_LE(rankOf(included), rankOf(module)) << entry.path() << ": " << line;
         }
         ++files;
     }
@@ -51,9 +52,10 @@ TEST(Layering, OneFileEachSeesThreadsAndPictures) {
         std::ifstream source(entry.path());
         for (std::string line; std::getline(source, line);) {
             if (line.rfind("#include", 0) != 0) continue;
-            if (line.find("tbb/") != std::string::npos) EXPECT_EQ(entry.path().filename(), "parallel.h") << line;
-            if (line.find("OpenImageIO") != std::string::npos)
-                EXPECT_EQ(entry.path().filename(), "image_io.cpp") << line;
+            const bool threads = line.find("tbb/") != std::string::npos;
+            const bool pictures = line.find("OpenImageIO") != std::string::npos;
+            EXPECT_TRUE(!threads || entry.path().filename() == "parallel.h") << entry.path() << ": " << line;
+            EXPECT_TRUE(!pictures || entry.path().filename() == "image_io.cpp") << entry.path() << ": " << line;
         }
     }
 }
