@@ -4,7 +4,7 @@ source "$(dirname "$0")/lib.sh" "$@"
 "$raysweep" generate cloud -o cloud.vdb --size 40
 "$raysweep" light cloud.vdb -o lit.vdb --extinction 8 --sun 0.3,-1,-0.5,3 --sky 0.3 --tolerance 0.03
 "$raysweep" light cloud.vdb -o direct.vdb --extinction 8 --sun 0.3,-1,-0.5,3 --sky 0.3 --sweeps 0
-"$raysweep" light cloud.vdb -o white.vdb --extinction 8 --albedo 1 --sky 1 --quality final
+"$raysweep" light cloud.vdb -o white.vdb --extinction 8 --albedo 1 --sky 1 --tolerance 0 --sweeps 2000
 render() { expect_exit 0 "$raysweep" render "$@" --report report.json; }
 size=(--size 64,48)
 
