@@ -16,7 +16,7 @@ struct CommonOptions {
     bool verbose = false;    ///< more messages
 };
 
-/// Exit codes, see cli.md of the design: 0 done, 1 failed, 2 usage, 130 stopped by Ctrl-C.
+/// Exit codes: 0 done, 1 failed, 2 usage, 130 stopped by Ctrl-C.
 enum ExitCode { kDone = 0, kFailed = 1, kUsage = 2, kInterrupted = 130 };
 
 void addCommonOptions(CLI::App& app, CommonOptions& options);

@@ -4,6 +4,7 @@
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/voxel_check.h"
 
+#include <algorithm>
 #include <map>
 
 namespace raysweep::apps {
@@ -92,7 +93,9 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
         ->capture_default_str();
     addChoice(app, "--directions", o.directions, kDirectionSets, "fibonacci", "fibonacci|random|low-discrepancy",
               "How sweep directions are chosen");
-    app.add_option("--batch", o.batch, "Directions per shuffled, rotated Fibonacci batch")->capture_default_str();
+    app.add_option("--batch", o.batch,
+                   "Directions of the first Fibonacci batch; each later one is as large as all before it")
+        ->capture_default_str();
 }
 
 void addOutputOptions(CLI::App& app, LightArguments& a) {
@@ -182,18 +185,31 @@ Color parseAlbedo(const std::string& text) {
     return albedo;
 }
 
+/// A copy without voxels that light transport cannot work with; says how many there were.
+template <class Grid>
+typename Grid::Ptr repaired(const LightArguments& a, const Grid& grid) {
+    const typename Grid::Ptr copy = grid.deepCopy();
+    const std::size_t count = repairVoxels(*copy);
+    if (count > 0)
+        warning(a.common, std::to_string(count) + (count > 1 ? " voxels" : " voxel") + " of '" + grid.getName() +
+                              (count > 1 ? "' were NaN, infinite or negative and count as 0"
+                                         : "' was NaN, infinite or negative and counts as 0"));
+    return copy;
+}
+
 openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile& file) {
     const openvdb::FloatGrid::Ptr density = chosenBy("--density", [&] {
         return a.fromLevelSet ? selectLevelSetAsFog(file, a.density) : selectDensity(file, a.density);
     });
-    if (!a.repair) return density;
-    const openvdb::FloatGrid::Ptr repaired = density->deepCopy();
-    const std::size_t count = repairVoxels(*repaired);
-    if (count > 0)
-        warning(a.common, std::to_string(count) + (count > 1 ? " voxels" : " voxel") + " of '" + density->getName() +
-                              (count > 1 ? "' were NaN, infinite or negative and count as 0"
-                                         : "' was NaN, infinite or negative and counts as 0"));
-    return repaired;
+    return a.repair ? repaired(a, *density) : density;
+}
+
+openvdb::GridBase::ConstPtr emissionFrom(const LightArguments& a, const VdbFile& file) {
+    const openvdb::GridBase::ConstPtr emission =
+        chosenBy("--emission", [&] { return selectGrid(file, gridName(a.emission, "--emission")); });
+    if (!a.repair) return emission;
+    if (emission->isType<openvdb::FloatGrid>()) return repaired(a, static_cast<const openvdb::FloatGrid&>(*emission));
+    return repaired(a, static_cast<const openvdb::Vec3SGrid&>(*emission));
 }
 
 }  // namespace
@@ -245,9 +261,7 @@ Scene buildScene(const LightArguments& a, const VdbFile& file) {
             chosenBy("--albedo", [&] { return selectGrid(file, gridName(a.albedo, "--albedo")); });
     else
         scene.medium.albedo = parseAlbedo(a.albedo);
-    if (!a.emission.empty())
-        scene.medium.emission =
-            chosenBy("--emission", [&] { return selectGrid(file, gridName(a.emission, "--emission")); });
+    if (!a.emission.empty()) scene.medium.emission = emissionFrom(a, file);
     scene.medium.emissionScale = a.emissionScale;
     scene.suns = parseSuns(a);
     scene.points = parsePoints(a);

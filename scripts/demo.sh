@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # The main job from nothing: makes a cloud, lights it with sun and sky, and renders it with single scattering only and in
-# full. Pictures and volumes go to demo/ (or to the folder given).
+# full. Usage: scripts/demo.sh [FOLDER [SIZE]]: pictures and volumes go to FOLDER (demo/); the cloud is SIZE (200) voxels long.
 set -euo pipefail
-cd "$(dirname "$0")/.."
-out=${1:-demo}
+[ $# -gt 0 ] && out=$(realpath -m "$1") || out=demo
 size=${2:-200}
+cd "$(dirname "$0")/.."
 
 scripts/build.sh --target raysweep_app >/dev/null
 raysweep=build/bin/raysweep

@@ -86,20 +86,6 @@ std::unique_ptr<SolverState> makeState(const openvdb::FloatGrid::Ptr& density, d
     return state;
 }
 
-ExchangeFields fieldsOf(SolverState& state) {
-    ExchangeFields fields;
-    fields.channels = state.channels;
-    fields.tau = viewOf(state.tau);
-    for (int c = 0; c < state.channels; ++c) {
-        fields.albedo[c] = state.albedoView(c);
-        fields.source[c] = sharedView(state.zero);
-        fields.unshot[c] = viewOf(state.unshot[c]);
-        fields.deposit[c] = viewOf(state.recent[c]);
-        fields.fresh[c] = viewOf(state.fresh[c]);
-    }
-    return fields;
-}
-
 using Volume = openvdb::FloatGrid::Ptr (*)();
 openvdb::FloatGrid::Ptr paperBlock() {
     return denseBlock(276, 276, 130);
@@ -114,7 +100,7 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
     const openvdb::FloatGrid::Ptr density = volume();
     if (!density) return bench.SkipWithError("the smoke volume is not there");
     const auto state = makeState(density, 1.0, interpolation, coloured);
-    const ExchangeFields fields = fieldsOf(*state);
+    const ExchangeFields fields = exchangeFields(*state, false);
     DirectionSequence directions(DirectionSet::fibonacci, 32, 1);
     const auto sweepOnce = [&] {
         Vec3 direction = directions.next();

@@ -31,6 +31,8 @@ void requireWritable(const std::string& target) {
     std::error_code ignored;
     if (fs::path(target).filename().empty() || fs::is_directory(target, ignored))
         fail(target, "it names a folder; give a file name");
+    if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored))
+        fail(target, "it is not a regular file; give a file name");
     if (!fs::is_directory(folder, ignored))
         fail(target, "the folder '" + folder.string() + "' does not exist; create it first");
     if (::access(folder.c_str(), W_OK | X_OK) != 0)

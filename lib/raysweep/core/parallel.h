@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <vector>
 
 namespace raysweep {
@@ -25,7 +24,7 @@ class ThreadLimit {
     oneapi::tbb::global_control control_;
 };
 
-/// Calls `body(i)` for every i in [0, count), several at a time, at least `grain` in a row.
+/// Calls `body(i)` for every i in [0, count), several at a time, in pieces of about `grain` or more.
 template <class Body>
 void parallelFor(std::size_t count, const Body& body, std::size_t grain = 1) {
     using Range = oneapi::tbb::blocked_range<std::size_t>;

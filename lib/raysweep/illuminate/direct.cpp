@@ -1,50 +1,37 @@
 #include "raysweep/illuminate/direct.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/sweep/diverging_front.h"
 #include "raysweep/volume/brick_grids.h"
-#include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace raysweep {
 namespace {
-
-using ChannelSums = std::array<double, kMaxChannels>;
-
-struct Sums {
-    ChannelSums value{};
-    Sums& operator+=(const Sums& other) {
-        for (std::size_t c = 0; c < value.size(); ++c) value[c] += other.value[c];
-        return *this;
-    }
-};
 
 void allocateSource(SolverState& state) {
     for (int c = 0; c < state.channels; ++c) state.source[c] = BrickField(state.volume.layout.brickCount());
 }
 
 /// Books a deposit of direct light, `deposit` times `power[c]`: part of it is absorbed, the rest becomes source.
-void addCollided(SolverState& state, const BrickField& deposit, const ChannelSums& power) {
-    const Sums absorbed = orderedSum<Sums>(state.volume.layout.brickCount(), [&](std::size_t b) {
-        Sums sum;
+void addCollided(SolverState& state, const BrickField& deposit, const ChannelPower& power) {
+    const ChannelPower absorbed = orderedSum<ChannelPower>(state.volume.layout.brickCount(), [&](std::size_t b) {
+        ChannelPower sum;
         alignas(64) float g[kBrickVoxels];
         for (int c = 0; c < state.channels; ++c) {
-            effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(c).brick(b), g);
-            const float scale = float(power[std::size_t(c)]);
+            effectiveAlbedos(state, c, b, g);
+            const float scale = float(power.value[c]);
             float* const source = state.source[c].brick(b);
             for (int i = 0; i < kBrickVoxels; ++i) {
                 const float in = deposit.brick(b)[i] * scale;
                 source[i] += g[i] * in;
-                sum.value[std::size_t(c)] += double(in) * (1 - double(g[i]));
+                sum.value[c] += double(in) * (1 - double(g[i]));
             }
         }
         return sum;
     });
-    for (int c = 0; c < state.channels; ++c) state.perInjection.absorbed[c] += absorbed.value[std::size_t(c)];
+    for (int c = 0; c < state.channels; ++c) state.perInjection.absorbed[c] += absorbed.value[c];
 }
 
 /// A sun's light comes down in one `linear` sweep that shoots nothing.
@@ -59,11 +46,11 @@ void addSun(SolverState& state, const Sun& sun) {
     fields.fresh[0] = viewOf(deposit);
     const SweepTotals totals = sweep(state.volume, front, Interpolation::linear, fields, step);
 
-    ChannelSums power{};
+    ChannelPower power;
     for (int c = 0; c < state.channels; ++c) {
-        power[std::size_t(c)] = double(sun.irradiance[c]) * front.crossSection / state.powerUnit;
-        state.perInjection.injected[c] += totals.entered[0] * power[std::size_t(c)];
-        state.perInjection.escaped[c] += totals.escaped[0] * power[std::size_t(c)];
+        power.value[c] = double(sun.irradiance[c]) * front.crossSection / state.powerUnit;
+        state.perInjection.injected[c] += totals.entered[0] * power.value[c];
+        state.perInjection.escaped[c] += totals.escaped[0] * power.value[c];
     }
     addCollided(state, deposit, power);
 }
@@ -74,11 +61,11 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
     BrickField deposit(state.volume.layout.brickCount());
     const double escaped = depositFromPoint(state.volume, {at.x(), at.y(), at.z()}, viewOf(state.tau),
                                             1 / state.escape.meanStepLength(), deposit);
-    ChannelSums power{};
+    ChannelPower power;
     for (int c = 0; c < state.channels; ++c) {
-        power[std::size_t(c)] = double(point.power[c]) / state.powerUnit;
-        state.perInjection.injected[c] += power[std::size_t(c)];
-        state.perInjection.escaped[c] += escaped * power[std::size_t(c)];
+        power.value[c] = double(point.power[c]) / state.powerUnit;
+        state.perInjection.injected[c] += power.value[c];
+        state.perInjection.escaped[c] += escaped * power.value[c];
     }
     addCollided(state, deposit, power);
 }
@@ -86,7 +73,7 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
 /// Power emitted in a voxel: of each unit the part p / (1 - albedo (1 - p)) leaves it, after any scatterings inside.
 double emittedThatLeaves(const SolverState& state, double tau, double albedo) {
     if (state.exchange == MediumExchange::paper) return 1;
-    const double p = state.escape.fit().numerator(tau) / state.escape.fit().denominator(tau);
+    const double p = state.escape.fit().probability(tau);
     return p / (1 - albedo * (1 - p));
 }
 
@@ -124,13 +111,14 @@ std::size_t addEmission(SolverState& state, const Medium& medium) {
     return invisible;
 }
 
-double largestValue(const openvdb::GridBase& grid, const BrickLayout& layout) {
+double largestValue(const openvdb::GridBase& grid) {
     float largest = 0;
-    for (int c = 0; c < (grid.isType<openvdb::FloatGrid>() ? 1 : 3); ++c) {
-        const BrickField field = gatherChannel(layout, grid, c, 1);
-        for (std::size_t b = 0; b < layout.brickCount(); ++b)
-            largest = std::max(largest, *std::max_element(field.brick(b), field.brick(b) + kBrickVoxels));
-    }
+    if (grid.isType<openvdb::FloatGrid>())
+        for (auto on = static_cast<const openvdb::FloatGrid&>(grid).cbeginValueOn(); on; ++on)
+            largest = std::max(largest, *on);
+    else
+        for (auto on = static_cast<const openvdb::Vec3SGrid&>(grid).cbeginValueOn(); on; ++on)
+            largest = std::max({largest, (*on)[0], (*on)[1], (*on)[2]});
     return double(largest);
 }
 
@@ -141,25 +129,13 @@ double choosePowerUnit(const Scene& scene, const BrickLayout& layout) {
     for (const Sun& sun : scene.suns) unit = std::max(unit, area * double(maxComponent(sun.irradiance)));
     for (const PointLight& point : scene.points) unit = std::max(unit, double(maxComponent(point.power)));
     if (scene.medium.emission)
-        unit = std::max(unit,
-                        largestValue(*scene.medium.emission, layout) * scene.medium.emissionScale * layout.voxelVolume);
+        unit = std::max(unit, largestValue(*scene.medium.emission) * scene.medium.emissionScale * layout.voxelVolume);
     return unit > 0 ? unit : 1;
-}
-
-void checkEmission(const openvdb::GridBase& grid) {
-    if (grid.isType<openvdb::FloatGrid>())
-        checkVoxels(static_cast<const openvdb::FloatGrid&>(grid), "emission");
-    else if (grid.isType<openvdb::Vec3SGrid>())
-        checkVoxels(static_cast<const openvdb::Vec3SGrid&>(grid), "emission");
-    else
-        throw InvalidArgument("emission grid '" + grid.getName() + "' is of type " + grid.type() +
-                              "; give a float or vec3s grid");
 }
 
 }  // namespace
 
 std::size_t addDirectLight(SolverState& state, const Scene& scene) {
-    if (scene.medium.emission) checkEmission(*scene.medium.emission);
     state.powerUnit = choosePowerUnit(scene, state.volume.layout);
     if (!scene.suns.empty() || !scene.points.empty() || scene.medium.emission) allocateSource(state);
     for (const Sun& sun : scene.suns) addSun(state, sun);

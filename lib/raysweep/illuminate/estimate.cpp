@@ -45,13 +45,13 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
     const double now = 1.0 / state.injections, then = before > 0 ? 1.0 / before : 0;
     Squares sum;
     for (int c = 0; c < state.channels; ++c) {
-        effectiveAlbedos(state.exchange, fit, tau, state.albedoView(c).brick(b), g);
+        effectiveAlbedos(state, c, b, g);
         const float* const source = state.hasSource() ? state.source[c].brick(b) : state.zero.brick(0);
         float* const total = state.total[c].brick(b);
         float* const recent = state.recent[c].brick(b);
         for (int i = 0; i < kBrickVoxels; ++i) {
             if (tau[i] > 0) {
-                const double p = fit.numerator(double(tau[i])) / fit.denominator(double(tau[i]));
+                const double p = fit.probability(double(tau[i]));
                 const double perArea = 1 / meanAbsorbingArea(state, double(tau[i]), p);
                 const double deposit = double(total[i]) + double(recent[i]);
                 const double value = (double(source[i]) + double(g[i]) * deposit * now) * perArea;
@@ -67,15 +67,6 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
 
 }  // namespace
 
-ChannelPower& ChannelPower::operator+=(const ChannelPower& other) {
-    for (int c = 0; c < kMaxChannels; ++c) value[c] += other.value[c];
-    return *this;
-}
-
-double ChannelPower::sum() const {
-    return value[0] + value[1] + value[2];
-}
-
 double foldDeposits(SolverState& state, int sweeps) {
     const Squares sum = orderedSum<Squares>(
         state.volume.layout.brickCount(), [&](std::size_t b) { return foldBrick(state, b, state.injections - sweeps); },
@@ -84,15 +75,9 @@ double foldDeposits(SolverState& state, int sweeps) {
 }
 
 ChannelPower unshotPower(const SolverState& state) {
-    return orderedSum<ChannelPower>(
-        state.volume.layout.brickCount(),
-        [&](std::size_t b) {
-            ChannelPower sum;
-            for (int c = 0; c < state.channels && !state.unshot[c].empty(); ++c)
-                for (int i = 0; i < kBrickVoxels; ++i) sum.value[c] += double(state.unshot[c].brick(b)[i]);
-            return sum;
-        },
-        16);
+    ChannelPower power;
+    for (int c = 0; c < state.channels; ++c) power.value[c] = sumOf(state.unshot[c]);
+    return power;
 }
 
 PowerBalance balance(const SolverState& state) {
@@ -103,8 +88,7 @@ PowerBalance balance(const SolverState& state) {
             ChannelPower sum;
             alignas(64) float g[kBrickVoxels];
             for (int c = 0; c < state.channels; ++c) {
-                effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(c).brick(b),
-                                 g);
+                effectiveAlbedos(state, c, b, g);
                 for (int i = 0; i < kBrickVoxels; ++i)
                     sum.value[c] +=
                         (double(state.total[c].brick(b)[i]) + double(state.recent[c].brick(b)[i])) * (1 - double(g[i]));
@@ -117,12 +101,7 @@ PowerBalance balance(const SolverState& state) {
     PowerBalance result;
     for (int c = 0; c < state.channels; ++c) {
         double left = unshot.value[c] * perInjection;
-        if (!swept && state.hasSource())
-            left = state.powerUnit * orderedSum(state.volume.layout.brickCount(), [&](std::size_t b) {
-                       double sum = 0;
-                       for (int i = 0; i < kBrickVoxels; ++i) sum += double(state.source[c].brick(b)[i]);
-                       return sum;
-                   });
+        if (!swept && state.hasSource()) left = state.powerUnit * sumOf(state.source[c]);
         result.injected[c] = state.perInjection.injected[c] * state.powerUnit + state.swept.injected[c] * perInjection;
         result.escaped[c] = state.perInjection.escaped[c] * state.powerUnit + state.swept.escaped[c] * perInjection;
         result.absorbed[c] = state.perInjection.absorbed[c] * state.powerUnit + absorbed.value[c] * perInjection;
@@ -148,7 +127,7 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
         [&](std::size_t b) {
             alignas(64) float g[kBrickVoxels];
             const float* const tau = state.tau.brick(b);
-            effectiveAlbedos(state.exchange, state.escape.fit(), tau, state.albedoView(channel).brick(b), g);
+            effectiveAlbedos(state, channel, b, g);
             for (int i = 0; i < kBrickVoxels; ++i) {
                 if (!(tau[i] > 0)) {
                     radiosity.brick(b)[i] = 0;

@@ -10,11 +10,6 @@ namespace raysweep {
 double foldDeposits(SolverState& state, int sweeps);
 
 /// Unshot power of each wavelength, in powerUnit.
-struct ChannelPower {
-    double value[kMaxChannels] = {0};
-    ChannelPower& operator+=(const ChannelPower& other);
-    double sum() const;
-};
 ChannelPower unshotPower(const SolverState& state);
 
 /// The books after all sweeps, per injection, W.
@@ -26,7 +21,8 @@ PowerBalance balance(const SolverState& state);
 void computeRadiosity(const SolverState& state, int channel, const BrickField& extra, BrickField& radiosity);
 
 /// Deposit of all unshot power of a wavelength, spread in proportion to density times the magnitude of its gradient,
-/// or, where there is no gradient anywhere, to density (paper, section 2.2). In powerUnit.
+/// or, where there is no gradient anywhere, to density (paper, section 2.2). In powerUnit. Empty if nothing
+/// has a density.
 BrickField spreadUnshot(const SolverState& state, int channel);
 
 }  // namespace raysweep

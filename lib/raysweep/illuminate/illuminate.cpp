@@ -39,7 +39,7 @@ class Solver {
             parallelFront(state_.volume.layout, direction, reach, column, row, state_.volume.periodic);
         ExchangeStep step = exchangeStep(state_, front, options_.zeta);
         if (inject == Inject::everything) setSky(step, front, direction);
-        const ExchangeFields fields = fieldsFor(inject);
+        const ExchangeFields fields = exchangeFields(state_, inject == Inject::everything);
         const SweepTotals totals = sweep(state_.volume, front, options_.interpolation, fields, step);
         if (options_.interpolation == Interpolation::linear) settle(state_.volume, fields, step);
         for (int c = 0; c < state_.channels; ++c) {
@@ -64,21 +64,6 @@ class Solver {
         for (int c = 0; c < state_.channels; ++c)
             step.entering[c] =
                 float(double(scene_.sky.radiance[c]) * factor * 4 * kPi * front.crossSection / state_.powerUnit);
-    }
-
-    ExchangeFields fieldsFor(Inject inject) {
-        ExchangeFields fields;
-        fields.channels = state_.channels;
-        fields.tau = viewOf(state_.tau);
-        for (int c = 0; c < state_.channels; ++c) {
-            fields.albedo[c] = state_.albedoView(c);
-            const bool source = inject == Inject::everything && state_.hasSource();
-            fields.source[c] = source ? BrickView<const float>(viewOf(state_.source[c])) : sharedView(state_.zero);
-            fields.unshot[c] = viewOf(state_.unshot[c]);
-            fields.deposit[c] = viewOf(state_.recent[c]);
-            fields.fresh[c] = viewOf(state_.fresh[c]);
-        }
-        return fields;
     }
 
     SweepTotals inWatts(SweepTotals totals) const {
@@ -176,9 +161,10 @@ Termination iterate(Solver& solver, SolverState& state, const Scene& scene, cons
 void spreadRemaining(SolverState& state) {
     for (int c = 0; c < state.channels; ++c) {
         const BrickField deposit = spreadUnshot(state, c);
+        if (deposit.empty()) continue;  // nowhere to put it: it stays unshot
         for (std::size_t b = 0; b < state.volume.layout.brickCount(); ++b) {
             alignas(64) float g[kBrickVoxels];
-            effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(c).brick(b), g);
+            effectiveAlbedos(state, c, b, g);
             for (int i = 0; i < kBrickVoxels; ++i) {
                 state.recent[c].brick(b)[i] += deposit.brick(b)[i];
                 state.unshot[c].brick(b)[i] = g[i] * deposit.brick(b)[i];
@@ -193,10 +179,15 @@ int shootRemaining(Solver& solver, SolverState& state, const IlluminateOptions& 
     const double injected = solver.injectedSoFar();
     const double first = unshotPower(state).sum(), enough = options.unshotShare * injected;
     int sweeps = 0;
-    for (double left = first; left > enough && sweeps < kMostFinishing; left = unshotPower(state).sum()) {
+    for (double left = first; left > enough;) {
+        if (sweeps >= kMostFinishing) {
+            termination = Termination::sweepLimit;
+            break;
+        }
         for (int i = 0; i < kFinishInterval; ++i) solver.sweepOnce(Inject::nothing);
         sweeps += kFinishInterval;
         foldDeposits(state, 0);
+        left = unshotPower(state).sum();
         const double done = std::log(first / left) / std::log(first / enough);
         if (!report(progress, "finishing", std::min(1.0, std::max(0.0, done)))) {
             termination = Termination::interrupted;
@@ -213,13 +204,11 @@ void runSweeps(Illumination& result, SolverState& state, const Scene& scene, con
     Solver solver(scene, options, state);
     result.termination = iterate(solver, state, scene, options, progress, result.history);
     result.seconds.sweeps = timer.seconds();
-    // Asked to stop, spreading is the quickest way to an answer that has all the power.
-    const Remaining remaining = result.termination == Termination::interrupted && options.remaining == Remaining::shoot
-                                    ? Remaining::spread
-                                    : options.remaining;
-    if (remaining == Remaining::shoot)
+    const bool shoot = options.remaining == Remaining::shoot;
+    if (shoot && result.termination != Termination::interrupted)
         result.finishingSweeps = shootRemaining(solver, state, options, progress, result.termination);
-    else if (remaining == Remaining::spread)
+    // Asked to stop, spreading is the quickest way to an answer that has all the power.
+    if (options.remaining == Remaining::spread || (shoot && result.termination == Termination::interrupted))
         spreadRemaining(state);
     result.seconds.finish = timer.seconds() - result.seconds.sweeps;
     result.sweeps = state.injections;
@@ -242,10 +231,12 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
     result.seconds.prepare = timer.seconds();
 
     timer = Timer();
-    report(progress, "direct light", 0);
     result.invisibleEmitters = addDirectLight(state, scene);
     result.seconds.direct = timer.seconds();
-    if (result.plan.sweeps && state.volume.layout.brickCount() > 0) runSweeps(result, state, scene, options, progress);
+    if (!report(progress, "direct light", 1))
+        result.termination = Termination::interrupted;
+    else if (result.plan.sweeps && state.volume.layout.brickCount() > 0)
+        runSweeps(result, state, scene, options, progress);
 
     timer = Timer();
     result.power = balance(state);

@@ -28,7 +28,7 @@ struct IlluminateOptions {
     double tolerance = 0.01;
     /// Most sweeps in which power is injected; with tolerance 0 the exact number; 0: direct light only. >= 0.
     int sweeps = 10000;
-    /// `shoot` ends when the unshot power is below this part of all that was injected, (0,1).
+    /// `shoot` ends when the unshot power is below this part of all that was injected, (0,1].
     double unshotShare = 1e-4;
     Remaining remaining = Remaining::shoot;
     Interpolation interpolation = Interpolation::nearest;
@@ -69,7 +69,7 @@ struct PowerBalance {
 };
 
 enum class Termination {
-    converged,    ///< the tolerance was met
+    converged,    ///< the tolerance was met, or with tolerance 0 all sweeps were made
     sweepLimit,   ///< `sweeps` was reached first
     interrupted,  ///< the progress callback said stop; the answer is what there was
     direct        ///< nothing needed a sweep

@@ -2,6 +2,7 @@
 #include "raysweep/illuminate/illuminate.h"
 
 #include <cmath>
+#include <sstream>
 
 namespace raysweep {
 namespace {
@@ -24,8 +25,9 @@ bool isColoured(const Scene& scene) {
 
 void requireBetween(const char* field, double value, double low, double high, bool openLow = false) {
     if (std::isfinite(value) && (openLow ? value > low : value >= low) && value <= high) return;
-    throw InvalidArgument(std::string(field) + " is " + std::to_string(value) + "; it must be in " +
-                          (openLow ? "(" : "[") + std::to_string(low) + ", " + std::to_string(high) + "]");
+    std::ostringstream message;
+    message << field << " is " << value << "; it must be in " << (openLow ? "(" : "[") << low << ", " << high << "]";
+    throw InvalidArgument(message.str());
 }
 
 void requireLight(const char* what, const Color& c) {

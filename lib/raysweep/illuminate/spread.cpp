@@ -3,6 +3,7 @@
 #include "raysweep/sweep/brick_map.h"
 
 #include <cmath>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -25,16 +26,12 @@ double gradientMagnitude(const SolverState& state, const BrickMap& map, const Ma
     return (inIndex * indexFromWorld.transposed()).length();
 }
 
-/// Makes the field's sum over all voxels 1. @return false if it is 0
-bool normalise(BrickField& field, double scale) {
-    const double sum = orderedSum(field.brickCount(), [&](std::size_t b) {
-        double part = 0;
-        for (int i = 0; i < kBrickVoxels; ++i) part += double(field.brick(b)[i]);
-        return part;
-    });
+/// Scales the field so that it sums to `total`. @return false if it is 0 everywhere
+bool scaleTo(BrickField& field, double total) {
+    const double sum = sumOf(field);
     if (!(sum > 0)) return false;
     parallelFor(field.brickCount(), [&](std::size_t b) {
-        for (int i = 0; i < kBrickVoxels; ++i) field.brick(b)[i] = float(double(field.brick(b)[i]) / sum * scale);
+        for (int i = 0; i < kBrickVoxels; ++i) field.brick(b)[i] = float(double(field.brick(b)[i]) / sum * total);
     });
     return true;
 }
@@ -59,10 +56,9 @@ BrickField spreadUnshot(const SolverState& state, int channel) {
     };
     const double unshot = unshotPower(state).value[channel];
     fill(true);
-    if (normalise(weights, unshot)) return weights;
+    if (scaleTo(weights, unshot)) return weights;
     fill(false);
-    normalise(weights, unshot);
-    return weights;
+    return scaleTo(weights, unshot) ? std::move(weights) : BrickField();
 }
 
 }  // namespace raysweep

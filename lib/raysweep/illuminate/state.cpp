@@ -1,5 +1,6 @@
 #include "raysweep/illuminate/state.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/volume/brick_grids.h"
 #include "raysweep/volume/voxel_check.h"
@@ -19,9 +20,21 @@ BrickField uniformBrick(float value) {
     return field;
 }
 
-/// Bytes per voxel of a brick at the peak: tau, fields per wavelength, albedo.
-std::size_t bytesPerVoxel(const Scene& scene, const Plan& plan) {
-    const std::size_t perChannel = 4 + (scene.medium.albedoGrid ? 1 : 0);
+void checkEmission(const openvdb::GridBase& grid) {
+    if (grid.isType<openvdb::FloatGrid>())
+        checkVoxels(static_cast<const openvdb::FloatGrid&>(grid), "emission");
+    else if (grid.isType<openvdb::Vec3SGrid>())
+        checkVoxels(static_cast<const openvdb::Vec3SGrid&>(grid), "emission");
+    else
+        throw InvalidArgument("emission grid '" + grid.getName() + "' is of type " + grid.type() +
+                              "; give a float or vec3s grid");
+}
+
+/// Bytes per voxel of a brick at the peak: tau and the fields of each wavelength.
+std::size_t bytesPerVoxel(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
+    const std::size_t perChannel = 4 + (scene.medium.albedoGrid ? 1 : 0) +
+                                   (options.interpolation == Interpolation::linear ? 1 : 0) +
+                                   (options.snapshotEvery > 0 ? 1 : 0);
     return 4 * (1 + std::size_t(plan.channels) * perChannel);
 }
 
@@ -30,9 +43,10 @@ std::size_t bytesPerVoxel(const Scene& scene, const Plan& plan) {
 SolverState prepareState(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
     const Medium& medium = scene.medium;
     checkVoxels(*medium.density, "density");
+    if (medium.emission) checkEmission(*medium.emission);
     std::vector<openvdb::GridBase::ConstPtr> grids{medium.density};
     if (medium.emission) grids.push_back(medium.emission);
-    SolverState state(layoutBricks(grids, bytesPerVoxel(scene, plan)));
+    SolverState state(layoutBricks(grids, bytesPerVoxel(scene, options, plan)));
     state.volume.periodic = options.periodic;
     state.exchange = options.exchange;
     state.channels = plan.channels;
@@ -43,13 +57,19 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
         bricks.brickCount(),
         [&](std::size_t b) {
             float* const tau = state.tau.brick(b);
-            for (int i = 0; i < kBrickVoxels; ++i) tau[i] = std::min(tau[i], kThickest);
+            for (int i = 0; i < kBrickVoxels; ++i) tau[i] = tau[i] < kThinnest ? 0.0f : std::min(tau[i], kThickest);
         },
         16);
 
     state.zero = uniformBrick(0);
     state.uniformAlbedo = !medium.albedoGrid;
-    if (medium.albedoGrid) checkAlbedo(*medium.albedoGrid);
+    if (medium.albedoGrid) {
+        checkAlbedo(*medium.albedoGrid);
+        if (medium.albedoGrid->transform() != medium.density->transform())
+            throw InvalidArgument("the albedo grid '" + medium.albedoGrid->getName() + "' and the density grid '" +
+                                  medium.density->getName() +
+                                  "' have different transforms; resample one onto the other");
+    }
     for (int c = 0; c < state.channels; ++c)
         state.albedo[c] =
             medium.albedoGrid ? gatherChannel(bricks, *medium.albedoGrid, c, 1) : uniformBrick(medium.albedo[c]);
@@ -64,6 +84,41 @@ void allocateSweepFields(SolverState& state, const IlluminateOptions& options) {
         state.total[c] = BrickField(bricks);
         if (options.interpolation == Interpolation::linear) state.fresh[c] = BrickField(bricks);
     }
+}
+
+ExchangeFields exchangeFields(SolverState& state, bool withSource) {
+    ExchangeFields fields;
+    fields.channels = state.channels;
+    fields.tau = viewOf(state.tau);
+    for (int c = 0; c < state.channels; ++c) {
+        fields.albedo[c] = state.albedoView(c);
+        const bool source = withSource && state.hasSource();
+        fields.source[c] = source ? BrickView<const float>(viewOf(state.source[c])) : sharedView(state.zero);
+        fields.unshot[c] = viewOf(state.unshot[c]);
+        fields.deposit[c] = viewOf(state.recent[c]);
+        fields.fresh[c] = viewOf(state.fresh[c]);
+    }
+    return fields;
+}
+
+void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g) {
+    effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(channel).brick(b), g);
+}
+
+ChannelPower& ChannelPower::operator+=(const ChannelPower& other) {
+    for (int c = 0; c < kMaxChannels; ++c) value[c] += other.value[c];
+    return *this;
+}
+
+double sumOf(const BrickField& field) {
+    return orderedSum(
+        field.brickCount(),
+        [&](std::size_t b) {
+            double sum = 0;
+            for (int i = 0; i < kBrickVoxels; ++i) sum += double(field.brick(b)[i]);
+            return sum;
+        },
+        16);
 }
 
 ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, double zeta) {

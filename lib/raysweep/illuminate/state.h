@@ -42,6 +42,22 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
 /// Fields that only sweeps need.
 void allocateSweepFields(SolverState& state, const IlluminateOptions& options);
 
+/// The fields as a sweep sees them, with the power that sources add in each sweep or without.
+ExchangeFields exchangeFields(SolverState& state, bool withSource);
+
+/// Effective albedo of the 512 voxels of brick `b`.
+void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g);
+
+/// One power for each wavelength.
+struct ChannelPower {
+    double value[kMaxChannels] = {0};
+    ChannelPower& operator+=(const ChannelPower& other);
+    double sum() const { return value[0] + value[1] + value[2]; }
+};
+
+/// Sum over all voxels.
+double sumOf(const BrickField& field);
+
 /// The constants of a sweep along `front`.
 ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, double zeta);
 

@@ -1,4 +1,4 @@
-/// Six sweep axes: the major axis of a direction, with its sign, and how its slices lie in a brick.
+/// Three sweep axes: the major axis of a direction, and how its slices lie in a brick.
 #pragma once
 
 #include "raysweep/core/types.h"

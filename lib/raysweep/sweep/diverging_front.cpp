@@ -1,5 +1,6 @@
 #include "raysweep/sweep/diverging_front.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/sweep/brick_map.h"
 
@@ -12,8 +13,10 @@ namespace {
 
 constexpr int kLeastCells = 64;  ///< cells across a pyramid, at least: close to the source a voxel fills a wide angle
 
-/// Deposits are added up as integers, whose sum does not depend on the order: threads may come as they like.
+/// Deposits are added up as integers, whose sum does not depend on the order: threads may come as they like. One unit
+/// is this part of the power that is sent towards the volume.
 constexpr double kFixedPoint = 0x1.0p60;
+constexpr double kFarthest = 5e8;  ///< slices; beyond that cells cannot be counted
 using FixedField = std::vector<std::atomic<std::int64_t>>;
 
 /// One of the six pyramids; distances along its axis are in slices from the source.
@@ -34,6 +37,7 @@ struct Source {
     double scale;
     BrickMap map;
     FixedField& deposit;
+    double unitsPerPower = kFixedPoint;  ///< of `deposit`
 };
 
 /// Slopes under which the volume's extent [low, high] is seen between the distances `near` and `far`.
@@ -53,6 +57,7 @@ Pyramid pyramidOf(const BrickLayout& layout, const Vec3& position, int major, in
     const auto [low, high] = extent(major);
     const double near = std::max(sign > 0 ? low : -high, 0.0), far = sign > 0 ? high : -low;
     if (far <= 0) return pyramid;
+    if (far > kFarthest) throw InvalidArgument("a point light is more than 5e8 voxels away from the volume; use a sun");
     pyramid.firstSlice = sign > 0 ? std::max(layout.low[major], int(std::floor(position[major] + 0.5)))
                                   : std::min(layout.high[major] - 1, int(std::ceil(position[major] - 0.5)));
     pyramid.lastSlice = sign > 0 ? layout.high[major] - 1 : layout.low[major];
@@ -74,11 +79,11 @@ double solidAngle(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// The up to two voxels that the stretch [begin, begin + width], width <= 1, overlaps.
-struct Overlap1 {
+struct CellOverlap {
     int voxel;
     double weight[2];
 
-    Overlap1(double begin, double width) : voxel(int(std::floor(begin + 0.5))) {
+    CellOverlap(double begin, double width) : voxel(int(std::floor(begin + 0.5))) {
         const double border = voxel + 0.5;
         weight[0] = width > 0 ? std::clamp((border - begin) / width, 0.0, 1.0) : 1.0;
         weight[1] = 1 - weight[0];
@@ -98,8 +103,8 @@ double marchRay(const Source& source, const Pyramid& pyramid, int column, int ro
         const double middle = pyramid.sign * (slice - source.position[axis.major]);
         const double enter = std::max(0.0, middle - 0.5), leave = middle + 0.5, z = 0.5 * (enter + leave);
         const double length = (leave - enter) * lengthPerSlice * source.scale;
-        const Overlap1 u(source.position[axis.column] + pyramid.slope(column) * z, width * z);
-        const Overlap1 v(source.position[axis.row] + pyramid.slope(row) * z, width * z);
+        const CellOverlap u(source.position[axis.column] + pyramid.slope(column) * z, width * z);
+        const CellOverlap v(source.position[axis.row] + pyramid.slope(row) * z, width * z);
         double lost = 0;
         for (int dv = 0; dv < 2; ++dv)
             for (int du = 0; du < 2; ++du) {
@@ -116,9 +121,10 @@ double marchRay(const Source& source, const Pyramid& pyramid, int column, int ro
                 const std::size_t at = offsetInBrick(voxel);
                 const float tau = source.tau.brick(brick)[at];
                 if (tau == 0) continue;
-                const auto in = std::int64_t(weight * power * -std::expm1(-double(tau) * length) * kFixedPoint);
-                source.deposit[brick * std::size_t(kBrickVoxels) + at].fetch_add(in, std::memory_order_relaxed);
-                lost += double(in) / kFixedPoint;
+                const double in = weight * power * -std::expm1(-double(tau) * length);
+                const std::int64_t units = std::llround(in * source.unitsPerPower);
+                source.deposit[brick * std::size_t(kBrickVoxels) + at].fetch_add(units, std::memory_order_relaxed);
+                lost += double(units) / source.unitsPerPower;
             }
         power = std::max(0.0, power - lost);
     }
@@ -134,28 +140,32 @@ Vec3 towards(const Pyramid& pyramid, const Matrix3& worldFromIndex, double a, do
     return inIndex * worldFromIndex;
 }
 
-struct RowPower {
-    double sent = 0, left = 0;
-    RowPower& operator+=(const RowPower& other) {
-        sent += other.sent;
-        left += other.left;
-        return *this;
-    }
+/// Power of the ray of a cell, its part of the whole sphere; and the ray's length in a slice.
+struct Cell {
+    double power, lengthPerSlice;
 };
 
-RowPower marchRow(const Source& source, const Pyramid& pyramid, int row) {
-    const Matrix3& world = source.volume.layout.worldFromIndex;
-    RowPower sum;
+Cell cellOf(const Pyramid& pyramid, const Matrix3& world, int column, int row) {
+    const double a0 = pyramid.slope(column), a1 = pyramid.slope(column + 1);
     const double b0 = pyramid.slope(row), b1 = pyramid.slope(row + 1);
-    for (int column = pyramid.columns.begin; column < pyramid.columns.end; ++column) {
-        const double a0 = pyramid.slope(column), a1 = pyramid.slope(column + 1);
-        const Vec3 c00 = towards(pyramid, world, a0, b0), c10 = towards(pyramid, world, a1, b0);
-        const Vec3 c01 = towards(pyramid, world, a0, b1), c11 = towards(pyramid, world, a1, b1);
-        const double power = (solidAngle(c00, c10, c11) + solidAngle(c00, c11, c01)) / (4 * kPi);
-        sum.sent += power;
-        sum.left += marchRay(source, pyramid, column, row, power, (0.25 * (c00 + c10 + c01 + c11)).length());
-    }
-    return sum;
+    const Vec3 c00 = towards(pyramid, world, a0, b0), c10 = towards(pyramid, world, a1, b0);
+    const Vec3 c01 = towards(pyramid, world, a0, b1), c11 = towards(pyramid, world, a1, b1);
+    return {(solidAngle(c00, c10, c11) + solidAngle(c00, c11, c01)) / (4 * kPi),
+            (0.25 * (c00 + c10 + c01 + c11)).length()};
+}
+
+/// Sum of `term(column, row)` over the cells of a pyramid.
+template <class Term>
+double sumOverCells(const Pyramid& pyramid, const Term& term) {
+    return orderedSum(
+        std::size_t(pyramid.rows.size()),
+        [&](std::size_t i) {
+            double sum = 0;
+            for (int column = pyramid.columns.begin; column < pyramid.columns.end; ++column)
+                sum += term(column, pyramid.rows.begin + int(i));
+            return sum;
+        },
+        1);
 }
 
 }  // namespace
@@ -163,22 +173,30 @@ RowPower marchRow(const Source& source, const Pyramid& pyramid, int row) {
 double depositFromPoint(const SweepVolume& volume, const Vec3& position, BrickView<const float> tau, double scale,
                         BrickField& deposit) {
     const std::size_t bricks = volume.layout.brickCount();
-    FixedField fixed(bricks * kBrickVoxels);
-    const Source source{volume, position, tau, scale, BrickMap(volume.layout), fixed};
-    RowPower total;
+    const Matrix3& world = volume.layout.worldFromIndex;
+    std::vector<Pyramid> pyramids;
     for (int major = 0; major < 3; ++major)
         for (const int sign : {1, -1}) {
             const Pyramid pyramid = pyramidOf(volume.layout, position, major, sign);
-            if (pyramid.rows.empty() || pyramid.columns.empty()) continue;
-            total += orderedSum<RowPower>(
-                std::size_t(pyramid.rows.size()),
-                [&](std::size_t i) { return marchRow(source, pyramid, pyramid.rows.begin + int(i)); }, 1);
+            if (!pyramid.rows.empty() && !pyramid.columns.empty()) pyramids.push_back(pyramid);
         }
+    double sent = 0, left = 0;
+    for (const Pyramid& pyramid : pyramids)
+        sent += sumOverCells(pyramid, [&](int column, int row) { return cellOf(pyramid, world, column, row).power; });
+
+    FixedField fixed(bricks * kBrickVoxels);
+    const double unitsPerPower = kFixedPoint / std::max(sent, 1e-300);
+    const Source source{volume, position, tau, scale, BrickMap(volume.layout), fixed, unitsPerPower};
+    for (const Pyramid& pyramid : pyramids)
+        left += sumOverCells(pyramid, [&](int column, int row) {
+            const Cell cell = cellOf(pyramid, world, column, row);
+            return marchRay(source, pyramid, column, row, cell.power, cell.lengthPerSlice);
+        });
     parallelFor(bricks, [&](std::size_t b) {
         for (std::size_t i = 0; i < kBrickVoxels; ++i)
-            deposit.brick(b)[i] = float(double(fixed[b * kBrickVoxels + i]) / kFixedPoint);
+            deposit.brick(b)[i] = float(double(fixed[b * kBrickVoxels + i]) / unitsPerPower);
     });
-    return (1 - total.sent) + total.left;
+    return (1 - sent) + left;
 }
 
 }  // namespace raysweep

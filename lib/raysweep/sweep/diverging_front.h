@@ -16,6 +16,7 @@ namespace raysweep {
 /// @param sigma extinction, 1/world unit, as `scale` * `tau`
 /// @param deposit receives the power (part of 1) that collides in each voxel
 /// @return the part that leaves the volume or never meets it; with the sum of `deposit` it makes 1
+/// @throw InvalidArgument for a source more than 5e8 voxels away
 double depositFromPoint(const SweepVolume& volume, const Vec3& position, BrickView<const float> tau, double scale,
                         BrickField& deposit);
 

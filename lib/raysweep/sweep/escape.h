@@ -16,6 +16,7 @@ struct EscapeFit {
 
     double numerator(double t) const { return 1 + t * (b[0] + t * (b[1] + t * b[2])); }
     double denominator(double t) const { return 1 + t * (a[0] + t * (a[1] + t * (a[2] + t * a[3]))); }
+    double probability(double t) const { return numerator(t) / denominator(t); }
 };
 
 /// Step lengths of a voxel over all directions, and what follows from them.
@@ -30,7 +31,7 @@ class Escape {
 
     double meanStepLength() const { return meanStepLength_; }  ///< world units
     double meanInverseLength() const { return meanInverse_; }  ///< <1/l>
-    /// Exact p, interpolated in a table to 1e-6.
+    /// Exact p, interpolated in a table to 1e-5.
     double probability(double t) const;
     /// The same by quadrature, for tests and the table.
     double probabilityByQuadrature(double t) const;

@@ -20,6 +20,9 @@ namespace raysweep {
 
 constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
 
+/// Voxels of a smaller optical depth count as empty.
+constexpr float kThinnest = 1e-20f;
+
 /// How a voxel of a medium scatters.
 enum class MediumExchange {
     consistent,  ///< the rule above

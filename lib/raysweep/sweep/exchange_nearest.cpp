@@ -53,7 +53,7 @@ HWY_INLINE bool isEmpty(const BrickRows& brick, int at, Vec tau) {
 }
 
 /// Stores lanes [begin, end) of a row, or all if not clipped. The other lanes may be another tile's: they stay
-/// untouched.
+/// untouched, and what was loaded from them is masked, whatever it was.
 template <bool kClipped>
 HWY_INLINE void storeOwn(Vec value, float* to, int lane, int begin, int end) {
     if (!kClipped) return hn::Store(value, kLanes, to + lane);

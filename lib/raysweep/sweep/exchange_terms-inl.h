@@ -20,9 +20,6 @@ using Lanes = hn::CappedTag<float, kBrickEdge>;
 using Vec = hn::Vec<Lanes>;
 constexpr Lanes kLanes;
 
-// Below this optical depth a voxel is as good as empty; it keeps alpha / tau from being 0 / 0.
-constexpr float kThinnest = 1e-30f;
-
 /// What a row of voxels does to any ray that passes it along the sweep's direction.
 struct RowTerms {
     Vec opacity;    ///< alpha
@@ -46,10 +43,14 @@ HWY_INLINE Vec quartic(Vec t, const float* c) {
         hn::Set(kLanes, 1.0f));
 }
 
-/// 1/x to about 1e-7, quicker than a division: an estimate and one Newton step.
+/// 1/x to about 1e-7, where the estimate is good enough by a Newton step, which is quicker than a division.
 HWY_INLINE Vec reciprocal(Vec x) {
+#if !HWY_ARCH_X86
+    return hn::Div(hn::Set(kLanes, 1.0f), x);
+#else
     const Vec estimate = hn::ApproximateReciprocal(x);
     return hn::Mul(estimate, hn::NegMulAdd(x, estimate, hn::Set(kLanes, 2.0f)));
+#endif
 }
 
 /// 1 - exp(-x) for x >= 0, to 4e-7 of itself however small x is. With x = n ln 2 + r it is (1 - 2^-n) + 2^-n (1 -
@@ -71,9 +72,11 @@ HWY_INLINE Vec opacityOf(Vec x) {
 template <MediumExchange kModel>
 HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     const Vec one = hn::Set(kLanes, 1.0f);
+    // An empty voxel takes nothing, but alpha / tau must not be 0 / 0: what is emitted in it leaves.
     const Vec along = hn::Max(hn::Mul(tau, hn::Set(kLanes, step.stepScale)), hn::Set(kLanes, kThinnest));
+    const Vec opacity = hn::Min(opacityOf(along), one);
     RowTerms terms;
-    terms.opacity = hn::Min(opacityOf(along), one);
+    terms.opacity = hn::IfThenElseZero(hn::Gt(tau, hn::Zero(kLanes)), opacity);
     if (kModel == MediumExchange::paper) {
         terms.shot = hn::Set(kLanes, step.zeta);
         terms.numerator = terms.denominator = one;
@@ -81,7 +84,7 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     }
     terms.numerator = cubic(tau, step.escape.b);
     terms.denominator = quartic(tau, step.escape.a);
-    const Vec ratio = hn::Mul(hn::Mul(terms.opacity, terms.denominator), reciprocal(hn::Mul(along, terms.numerator)));
+    const Vec ratio = hn::Mul(hn::Mul(opacity, terms.denominator), reciprocal(hn::Mul(along, terms.numerator)));
     terms.shot = hn::Min(hn::Mul(ratio, hn::Set(kLanes, step.zeta)), one);
     return terms;
 }
@@ -91,7 +94,8 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
 HWY_INLINE Vec effectiveAlbedo(const RowTerms& terms, Vec albedo) {
     const Vec scattered = hn::Mul(albedo, terms.numerator);
     const Vec absorbing = hn::Sub(hn::Set(kLanes, 1.0f), albedo);
-    return hn::Mul(scattered, reciprocal(hn::MulAdd(absorbing, terms.denominator, scattered)));
+    const Vec g = hn::Mul(scattered, reciprocal(hn::MulAdd(absorbing, terms.denominator, scattered)));
+    return hn::Min(g, hn::Set(kLanes, 1.0f));
 }
 
 }  // namespace

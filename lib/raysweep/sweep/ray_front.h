@@ -15,7 +15,7 @@
 
 namespace raysweep {
 
-/// Which of the lateral borders are joined to the opposite one; by axis (x, y, z).
+/// Axes (x, y, z) of index space along which the bricks' bounding box repeats.
 using Periodic = std::array<bool, 3>;
 
 /// One lateral coordinate of the front.

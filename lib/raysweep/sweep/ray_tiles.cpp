@@ -19,17 +19,18 @@ struct Cut {
     }
 };
 
-/// A periodic axis needs an even number of full pieces, or one, for neighbours across the border to differ in colour.
+/// With `linear` a periodic axis needs an even number of full pieces, or one, for neighbours across the border to
+/// differ in colour.
 Cut cutLateral(const RayFront& front, const Lateral& lateral, int bits) {
     constexpr int kOnePiece = 30;
     const RayRange extent = rayExtent(front, lateral);
-    const bool evenPieces = extent.size() % (2 << bits) == 0;
-    return {extent, lateral.periodic && !evenPieces ? kOnePiece : bits};
+    const bool onePiece = lateral.periodic && front.reach > 0 && extent.size() % (2 << bits) != 0;
+    return {extent, onePiece ? kOnePiece : bits};
 }
 
 /// Rays that a brick at lateral coordinate 0 meets in the eight slices of its layer.
 struct LayerReach {
-    int step = -1;
+    int step;
     RayRange columns, rows;
 
     LayerReach(const RayFront& front, int firstStep)
@@ -49,12 +50,12 @@ struct Pieces {
           last(cut.pieceOf(std::min(low + reach.end, cut.extent.end) - 1)) {}
 };
 
-struct Pair {
+struct TileVisit {
     std::uint32_t tile;
     BrickVisit visit;
 };
 
-/// Numbers the tiles that occur, in the order of (colour, row, column) at the end.
+/// Numbers the tiles in the order in which they are first met.
 class TileNumbers {
   public:
     TileNumbers(const Cut& columns, const Cut& rows) : columns_(columns), rows_(rows) {
@@ -100,9 +101,9 @@ void forEachImage(const Lateral& lateral, const Cut& cut, const RayRange& reach,
 }
 
 /// Visits in a periodic volume are found brick by brick; a ray must meet them upwind to downwind.
-void sortPeriodic(const RayFront& front, std::vector<Pair>& pairs) {
+void sortPeriodic(const RayFront& front, std::vector<TileVisit>& pairs) {
     const int u = front.column.slope < 0 ? -1 : 1, v = front.row.slope < 0 ? -1 : 1;
-    std::stable_sort(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) {
+    std::stable_sort(pairs.begin(), pairs.end(), [&](const TileVisit& a, const TileVisit& b) {
         if (a.visit.step != b.visit.step) return a.visit.step < b.visit.step;
         if (a.visit.row != b.visit.row) return v * a.visit.row < v * b.visit.row;
         return u * a.visit.column < u * b.visit.column;
@@ -110,7 +111,7 @@ void sortPeriodic(const RayFront& front, std::vector<Pair>& pairs) {
 }
 
 /// Gathers each tile's visits, tiles ordered by colour.
-RayTiles groupByTile(const TileNumbers& numbers, const std::vector<Pair>& pairs) {
+RayTiles groupByTile(const TileNumbers& numbers, const std::vector<TileVisit>& pairs) {
     const std::size_t count = numbers.tiles().size();
     std::vector<std::uint32_t> order;
     RayTiles result;
@@ -122,7 +123,7 @@ RayTiles groupByTile(const TileNumbers& numbers, const std::vector<Pair>& pairs)
     result.colours.push_back(order.size());
 
     std::vector<std::size_t> next(count, 0);
-    for (const Pair& pair : pairs) ++next[pair.tile];
+    for (const TileVisit& pair : pairs) ++next[pair.tile];
     std::size_t sum = 0;
     std::vector<std::size_t> begins;
     for (const std::uint32_t t : order) {
@@ -132,7 +133,7 @@ RayTiles groupByTile(const TileNumbers& numbers, const std::vector<Pair>& pairs)
         sum += size;
     }
     result.visits.resize(pairs.size());
-    for (const Pair& pair : pairs) result.visits[next[pair.tile]++] = pair.visit;
+    for (const TileVisit& pair : pairs) result.visits[next[pair.tile]++] = pair.visit;
     for (std::size_t i = 0; i < count; ++i) {
         RayTile tile = numbers.tiles()[order[i]];
         tile.begin = result.visits.data() + begins[i];
@@ -148,7 +149,7 @@ RayTiles cutIntoTiles(const RayFront& front, const BrickLayout& layout, const Ti
     const Cut columns = cutLateral(front, front.column, kTileColumnBits);
     const Cut rows = cutLateral(front, front.row, kTileRowBits);
     TileNumbers numbers(columns, rows);
-    std::vector<Pair> pairs;
+    std::vector<TileVisit> pairs;
     pairs.reserve(2 * layout.brickCount());
 
     LayerReach reach(front, 0);

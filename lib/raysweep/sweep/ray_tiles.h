@@ -1,5 +1,6 @@
 /// A ray front cut into tiles of rays, each with the bricks it meets. Rays do not touch each other, so a tile is
-/// stepped through the whole volume on its own, and only rays that meet a brick exist at all.
+/// stepped through the whole volume on its own, and only tiles that meet a brick are made (all, in a volume that is
+/// periodic along the sweep's axis).
 #pragma once
 
 #include "raysweep/sweep/ray_front.h"
@@ -30,6 +31,11 @@ struct RayTile {
 
 /// The tiles of a front that meet bricks.
 struct RayTiles {
+    RayTiles() = default;
+    RayTiles(RayTiles&&) = default;      // tiles point into `visits`, which keeps its place when moved,
+    RayTiles(const RayTiles&) = delete;  // but not when copied
+    RayTiles& operator=(const RayTiles&) = delete;
+
     std::vector<RayTile> tiles;
     std::vector<BrickVisit> visits;
     /// Tiles [colours[c], colours[c+1]) share no brick: where tiles may meet the same voxel (`linear`), those may write

@@ -15,8 +15,8 @@ class TileIndex {
   public:
     TileIndex(const BrickLayout& layout, const SweepAxis& axis);
 
-    /// Calls `visit(brick)` for every brick, layers, rows and columns each ascending or, with a negative sign,
-    /// descending.
+    /// Calls `visit(brick)` for every brick, layers, rows and columns each ascending or, where its flag is
+    /// false, descending.
     template <class Visit>
     void forEach(bool layersUp, bool rowsUp, bool columnsUp, const Visit& visit) const {
         forEachIn(layers_, layersUp, {0, int(layers_.size()) - 1}, [&](Range rows) {

@@ -55,7 +55,6 @@ struct Overlap {
             firstRow = std::min(firstRow, std::max(0, -row[j]));
             lastRow = std::max(lastRow, std::min(kBrickEdge, rows - row[j] + front.reach) - 1);
         }
-        firstRow = std::max(0, firstRow);
     }
 
     /// Row r of the brick is met in all slices and all columns.

@@ -11,6 +11,9 @@
 namespace raysweep {
 namespace {
 
+// Of the bounding box, voxels: so far coordinates of rays and bricks are safe from overflow.
+constexpr std::int64_t kLongestEdge = 1 << 24;
+
 bool lessOrigin(const Index3& a, const Index3& b) {
     return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);
 }
@@ -45,6 +48,12 @@ std::size_t brickCountOf(const openvdb::CoordBBox& box) {
     const openvdb::Coord size = box.dim();
     return (std::size_t(size.x()) / kBrickEdge) * (std::size_t(size.y()) / kBrickEdge) *
            (std::size_t(size.z()) / kBrickEdge);
+}
+
+void addBricks(const openvdb::CoordBBox& box, std::vector<Index3>& origins) {
+    for (int x = box.min().x(); x <= box.max().x(); x += kBrickEdge)
+        for (int y = box.min().y(); y <= box.max().y(); y += kBrickEdge)
+            for (int z = box.min().z(); z <= box.max().z(); z += kBrickEdge) origins.emplace_back(x, y, z);
 }
 
 void requireMemory(std::size_t bricks, std::size_t bytesPerVoxel) {
@@ -117,29 +126,22 @@ BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, 
     layout.worldFromIndex = linearPart(*grids.front());
     layout.voxelVolume = std::abs(layout.worldFromIndex.determinant());
     layout.activeVoxels = grids.front()->activeVoxelCount();
-    std::size_t bound = 0;
     for (const auto& grid : grids) {
         if (grid->transform() != grids.front()->transform())
             throw InvalidArgument("grids '" + grid->getName() + "' and '" + grids.front()->getName() +
                                   "' have different transforms; resample one onto the other");
         withTypedGrid(*grid, [&](const auto& typed) {
-            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bound += brickCountOf(box); });
+            std::size_t bricks = 0;
+            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bricks += brickCountOf(box); });
+            requireMemory(bricks, bytesPerVoxel);
+            layout.origins.reserve(layout.origins.size() + bricks);
+            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { addBricks(box, layout.origins); });
         });
     }
-    requireMemory(bound, bytesPerVoxel);
-
-    layout.origins.reserve(bound);
-    for (const auto& grid : grids)
-        withTypedGrid(*grid, [&](const auto& typed) {
-            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) {
-                for (int x = box.min().x(); x <= box.max().x(); x += kBrickEdge)
-                    for (int y = box.min().y(); y <= box.max().y(); y += kBrickEdge)
-                        for (int z = box.min().z(); z <= box.max().z(); z += kBrickEdge)
-                            layout.origins.emplace_back(x, y, z);
-            });
-        });
     std::sort(layout.origins.begin(), layout.origins.end(), lessOrigin);
     layout.origins.erase(std::unique(layout.origins.begin(), layout.origins.end()), layout.origins.end());
+
+    requireMemory(layout.origins.size(), bytesPerVoxel);
 
     if (layout.origins.empty()) return layout;
     layout.low = layout.high = layout.origins.front();
@@ -148,6 +150,10 @@ BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, 
             layout.low[axis] = std::min(layout.low[axis], origin[axis]);
             layout.high[axis] = std::max(layout.high[axis], origin[axis] + kBrickEdge);
         }
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::int64_t(layout.high[axis]) - layout.low[axis] > kLongestEdge)
+            throw InvalidArgument("the volume's active voxels are more than " + std::to_string(kLongestEdge) +
+                                  " voxels apart; remove stray voxels or use a coarser grid");
     return layout;
 }
 

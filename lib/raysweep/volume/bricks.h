@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace raysweep {
@@ -30,6 +31,13 @@ class BrickField {
   public:
     BrickField() = default;
     explicit BrickField(std::size_t brickCount);
+    BrickField(BrickField&& other) noexcept
+        : data_(std::move(other.data_)), brickCount_(std::exchange(other.brickCount_, 0)) {}
+    BrickField& operator=(BrickField&& other) noexcept {
+        data_ = std::move(other.data_);
+        brickCount_ = std::exchange(other.brickCount_, 0);
+        return *this;
+    }
 
     float* brick(std::size_t b) { return data_.get() + b * kBrickVoxels; }
     const float* brick(std::size_t b) const { return data_.get() + b * kBrickVoxels; }

@@ -11,7 +11,7 @@ struct Medium {
     openvdb::FloatGrid::ConstPtr density;    ///< any non-negative scalar, fog; 0 outside its active voxels
     double extinctionScale = 1;              ///< extinction per unit density, 1/world unit
     Color albedo = grey(0.9f);               ///< single-scattering albedo, in [0,1]; used where no grid is given
-    openvdb::GridBase::ConstPtr albedoGrid;  ///< FloatGrid or Vec3SGrid, in [0,1]; may be null
+    openvdb::GridBase::ConstPtr albedoGrid;  ///< FloatGrid or Vec3SGrid, in [0,1], 0 where inactive; may be null
     openvdb::GridBase::ConstPtr emission;    ///< FloatGrid or Vec3SGrid, emitted power density, W/world unit^3; or null
     double emissionScale = 1;                ///< factor on `emission`
 };
