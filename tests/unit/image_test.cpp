@@ -2,6 +2,10 @@
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
 
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -119,6 +123,9 @@ TEST_F(ImageFile, ErrorsSayWhatAndWhere) {
 }
 
 TEST_F(ImageFile, TruncatedFilesAreRefused) {
+#ifdef __SANITIZE_ADDRESS__
+    const __lsan::ScopedDisabler notOurs;  // OpenImageIO leaks a string when libpng jumps out of a truncated file
+#endif
     for (const char* name : {"a.exr", "a.png"}) {
         writeImage(path(name), pattern(64, 64, 3));
         fs::resize_file(path(name), fs::file_size(path(name)) / 2);
