@@ -19,6 +19,6 @@ $raysweep light "$out/cloud.vdb" -o "$out/full.vdb" "${light[@]}" --plot "$out/c
 $raysweep render "$out/single.vdb" -o "$out/single.png" "${view[@]}"
 $raysweep render "$out/full.vdb" -o "$out/full.png" "${view[@]}"
 
-echo "single scattering only: $out/single.png"
-echo "full:                   $out/full.png"
-echo "convergence:            $out/convergence.png"
+echo "single scattering (sun): $out/single.png"
+echo "full:                    $out/full.png"
+echo "convergence:             $out/convergence.png"

@@ -1,5 +1,5 @@
-// The exchange between rays and voxels: Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections of
-// docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
+// `linear`: a ray meets the 2x2 voxels around it. Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections
+// of docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
 #include "raysweep/sweep/exchange.h"
 #include "raysweep/sweep/tile_rays.h"
 

@@ -1,4 +1,4 @@
-// The exchange between rays and voxels: Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections of
+// `nearest`: a voxel meets one ray. Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections of
 // docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
 #include "raysweep/sweep/exchange.h"
 #include "raysweep/sweep/tile_rays.h"
