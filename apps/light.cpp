@@ -18,10 +18,26 @@
 namespace raysweep::apps {
 namespace {
 
+constexpr double kManySweeps = 2000;  ///< several times what most scenes need
+
 /// Half floats end at 65504. @return number of voxels clamped
 std::size_t clampGrid(openvdb::GridBase& grid) {
     if (grid.isType<openvdb::FloatGrid>()) return clampForHalf(static_cast<openvdb::FloatGrid&>(grid));
     return clampForHalf(static_cast<openvdb::Vec3SGrid&>(grid));
+}
+
+const char* nameOf(Exchange exchange, bool solid) {
+    switch (exchange) {
+        case Exchange::automatic:
+            return solid ? "surface" : "medium";
+        case Exchange::medium:
+            return "medium";
+        case Exchange::surface:
+            return "surface";
+        case Exchange::paper:
+            return "paper";
+    }
+    return "";
 }
 
 void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const Scene& scene) {
@@ -32,7 +48,7 @@ void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const Scene& 
     text("raysweep_options", a.commandLine);
     // As chosen, since a name alone does not tell "density[0]" from "density[1]".
     text("raysweep_density", a.density.empty() ? scene.medium.density->getName() : a.density);
-    text("raysweep_exchange", a.options.exchange == MediumExchange::paper ? "paper" : "medium");
+    text("raysweep_exchange", nameOf(a.options.exchange, scene.medium.solid));
     grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(scene.medium.extinctionScale));
 }
 
@@ -94,6 +110,7 @@ nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit
         {"plan", lit.plan.reasons},
         {"peak_bytes", a.peakBytes},
         {"voxels_thick_share", lit.thickShare},
+        {"voxels_surface", lit.surfaceVoxels},
         {"options", a.commandLine}};
     json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
                        {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
@@ -116,7 +133,10 @@ std::string brief(double value) {
 }
 
 void comment(const LightArguments& a, const Illumination& lit) {
-    if (lit.thickShare > 0)
+    if (lit.sweepsToReach > kManySweeps)
+        warning(a.common, "the emitting voxels are so few that it takes about " + brief(lit.sweepsToReach) +
+                              " sweeps until their light has been everywhere; --point would converge sooner");
+    if (lit.thickShare > 0 && !lit.plan.surfaces)
         warning(a.common, brief(100 * lit.thickShare) +
                               " % of the voxels have an optical depth above 2, where the grid is too coarse to be "
                               "accurate; a lower --extinction or finer voxels help");

@@ -12,6 +12,10 @@ namespace {
 
 const std::map<std::string, Interpolation> kInterpolations = {{"nearest", Interpolation::nearest},
                                                               {"linear", Interpolation::linear}};
+const std::map<std::string, Exchange> kExchanges = {{"auto", Exchange::automatic},
+                                                    {"medium", Exchange::medium},
+                                                    {"surface", Exchange::surface},
+                                                    {"paper", Exchange::paper}};
 const std::map<std::string, Remaining> kRemaining = {
     {"shoot", Remaining::shoot}, {"drop", Remaining::drop}, {"spread", Remaining::spread}};
 const std::map<std::string, DirectionSet> kDirectionSets = {{"fibonacci", DirectionSet::fibonacci},
@@ -61,6 +65,12 @@ void addLightSourceOptions(CLI::App& app, LightArguments& a) {
                    "Point light, inside or outside the volume; P: power, W, or P:R:G:B; repeatable")
         ->allow_extra_args(false)
         ->type_name("X,Y,Z,P");
+    app.add_option(
+           "--quad", a.quads,
+           "Area light: corner O, edges U and V, shining towards U x V with radiance L (or L:R:G:B); lights but "
+           "is not seen; repeatable")
+        ->allow_extra_args(false)
+        ->type_name("OX,OY,OZ,UX,UY,UZ,VX,VY,VZ,L");
     app.add_option("--sky", a.sky, "Light from all around; radiance, one number or R,G,B")->type_name("L");
     app.add_option("--sky-scale", a.skyScale, "Factor on --sky")->capture_default_str();
 }
@@ -68,10 +78,11 @@ void addLightSourceOptions(CLI::App& app, LightArguments& a) {
 void addSolverOptions(CLI::App& app, LightArguments& a) {
     app.option_defaults()->group("Solver");
     IlluminateOptions& o = a.options;
-    app.add_option("--exchange", a.exchange,
-                   "What voxels and rays exchange; auto: medium; paper: Algorithm 1 as printed")
-        ->check(CLI::IsMember({"auto", "medium", "paper"}).description(""))
-        ->type_name("auto|medium|paper")
+    addChoice(app, "--exchange", o.exchange, kExchanges, "auto", "auto|medium|surface|paper",
+              "What voxels and rays exchange; auto: surfaces in solids (--ramp, --transfer, level sets), else medium; "
+              "paper: Algorithm 1 as printed");
+    app.add_option("--surface-threshold", o.surfaceThreshold,
+                   "A voxel of a solid is a surface where opacity changes by more than this per voxel, [0,1]")
         ->capture_default_str();
     app.add_option("--tolerance", a.tolerance,
                    "Stop when 20 sweeps change the answer by less than this part (RMS of radiosity); 0: never "
@@ -169,6 +180,28 @@ std::vector<PointLight> parsePoints(const LightArguments& a) {
     return points;
 }
 
+std::vector<QuadLight> parseQuads(const LightArguments& a) {
+    const std::string example = "-1,5,-1,0,0,2,2,0,0,3";
+    std::vector<QuadLight> quads;
+    for (const std::string& text : a.quads) {
+        const std::vector<std::string> parts = split(text, ',');
+        if (parts.size() != 10)
+            usageError(
+                "--quad",
+                "'" + text + "': corner, two edges and a radiance, ten values, are needed, as in --quad " + example);
+        double at[9];
+        for (std::size_t i = 0; i < 9; ++i) at[i] = parseNumber(parts[i], "--quad", example);
+        QuadLight quad{{at[0], at[1], at[2]},
+                       {at[3], at[4], at[5]},
+                       {at[6], at[7], at[8]},
+                       parseStrength(parts[9], "--quad", example)};
+        if (quad.u.cross(quad.v).length() == 0)
+            usageError("--quad", "'" + text + "': the quad has no area: its edges are parallel, or one has no length");
+        quads.push_back(quad);
+    }
+    return quads;
+}
+
 /// Runs `select`, and says on failure which option was to choose the grid.
 template <class Select>
 auto chosenBy(const std::string& option, const Select& select) {
@@ -232,7 +265,6 @@ void completeOptions(LightArguments& a) {
     IlluminateOptions& o = a.options;
     if (!a.quality.empty()) o.tolerance = kQualities.at(a.quality);
     if (a.tolerance) o.tolerance = *a.tolerance;
-    o.exchange = a.exchange == "paper" ? MediumExchange::paper : MediumExchange::consistent;
     o.seed = a.common.seed;
     try {
         o.validate();
@@ -249,6 +281,7 @@ void completeOptions(LightArguments& a) {
     if (!a.emission.empty()) gridName(a.emission, "--emission");
     parseSuns(a);
     parsePoints(a);
+    parseQuads(a);
     if (!a.sky.empty()) parseColor(a.sky, "--sky");
 }
 
@@ -265,6 +298,7 @@ Scene buildScene(const LightArguments& a, const VdbFile& file) {
     scene.medium.emissionScale = a.emissionScale;
     scene.suns = parseSuns(a);
     scene.points = parsePoints(a);
+    scene.quads = parseQuads(a);
     if (!a.sky.empty()) scene.sky.radiance = parseColor(a.sky, "--sky") * float(a.skyScale);
     return scene;
 }

@@ -15,8 +15,8 @@ struct LightArguments {
     CommonOptions common;
     IlluminateOptions options;
     std::string input, output, density, albedo = "0.9", emission, sky, plot;
-    std::string exchange = "auto", quality;
-    std::vector<std::string> suns, points;
+    std::string quality;
+    std::vector<std::string> suns, points, quads;
     double extinction = 1, emissionScale = 1, skyScale = 1;
     std::optional<double> tolerance;
     bool fromLevelSet = false, repair = false, half = false, explain = false;

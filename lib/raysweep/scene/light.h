@@ -19,6 +19,14 @@ struct PointLight {
     Color power = grey(1);  ///< W
 };
 
+/// A parallelogram that shines to one side, evenly, as a Lambert emitter. It lights but is not seen: it has no
+/// extinction.
+struct QuadLight {
+    Vec3 corner{0};               ///< world units
+    Vec3 u{1, 0, 0}, v{0, 1, 0};  ///< edges from the corner, world units; light leaves towards u x v
+    Color radiance = grey(1);     ///< W m^-2 sr^-1
+};
+
 /// Light from all around, infinitely far away.
 struct Sky {
     Color radiance = grey(0);  ///< W m^-2 sr^-1

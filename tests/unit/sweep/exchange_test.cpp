@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "raysweep/sweep/brick_map.h"
 #include "raysweep/sweep/directions.h"
 #include "raysweep/sweep/sweep.h"
+#include "raysweep/volume/brick_map.h"
 
 using namespace raysweep;
 
@@ -71,7 +71,7 @@ struct VoxelTerms {
 
 VoxelTerms termsOf(const ExchangeStep& step, double tau, double albedo) {
     const double along = tau * double(step.stepScale), opacity = -std::expm1(-along);
-    if (step.model == MediumExchange::paper) return {opacity, double(step.zeta), albedo};
+    if (step.model == ExchangeModel::paper) return {opacity, double(step.zeta), albedo};
     const double p = step.escape.numerator(tau) / step.escape.denominator(tau);
     const double ratio = along > 0 ? opacity / along : 1;
     return {opacity, std::min(1.0, double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
@@ -141,7 +141,7 @@ struct PlainSweep {
     }
 };
 
-void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, MediumExchange model, int channels) {
+void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, ExchangeModel model, int channels) {
     Volume volume(channels);
     const bool linear = interpolation == Interpolation::linear;
     const RayFront front = parallelFront(volume.sweepVolume.layout, direction, linear ? 1 : 0, 0.31, 0.77, {});
@@ -185,7 +185,7 @@ TEST(Exchange, AgreesWithItsFormulasAlongAllAxes) {
             direction[(major + 1) % 3] = signs & 2 ? 0.6 : -0.3;
             direction[(major + 2) % 3] = signs & 4 ? 0.9 : -0.45;
             for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
-                for (const MediumExchange model : {MediumExchange::consistent, MediumExchange::paper})
+                for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper})
                     for (const int channels : {1, 3}) expectSameAsPlain(direction, interpolation, model, channels);
         }
 }
@@ -197,12 +197,12 @@ TEST(Exchange, EffectiveAlbedoOfAConservativeVoxelIsOneAtAnyDepth) {
         tau[i] = std::pow(10.0f, float(i) * 18 / kBrickVoxels - 9);
         albedo[i] = 1;
     }
-    for (const MediumExchange model : {MediumExchange::consistent, MediumExchange::paper}) {
+    for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper}) {
         effectiveAlbedos(model, fit, tau, albedo, g);
         for (int i = 0; i < kBrickVoxels; ++i) EXPECT_LE(std::abs(g[i] - 1), 1.2e-7) << "optical depth " << tau[i];
     }
     for (int i = 0; i < kBrickVoxels; ++i) albedo[i] = 0.7f;
-    effectiveAlbedos(MediumExchange::consistent, fit, tau, albedo, g);
+    effectiveAlbedos(ExchangeModel::consistent, fit, nullptr, tau, albedo, g);
     for (int i = 0; i < kBrickVoxels; ++i) {
         const double p = fit.numerator(double(tau[i])) / fit.denominator(double(tau[i]));
         EXPECT_LE(std::abs(double(g[i]) / effectiveAlbedo(double(albedo[i]), p) - 1), 1e-6) << tau[i];
