@@ -248,10 +248,15 @@ std::vector<double> closedBox(const Frame& frame, Edges edges, double side, Illu
     return irradiances;
 }
 
-/// What is promised for walls along the axes and for tilted ones. Both are about twice what was measured with other
-/// seeds (docs/validation.md): a thousand sweeps' noise of 1 %, and what a staircase does to light from one side.
+/// What is promised for walls along the axes and for tilted ones, where staircases do something to light from one side.
+/// Measured over several seeds (docs/validation.md): at most 2 % and 6 %.
 double toleranceOf(const Frame& frame) {
     return frame.angle == 0 ? 0.03 : 0.065;
+}
+
+/// Few of all directions lead from one patch to another: noise is 1 % at 4096 sweeps.
+int sweepsFor(const Frame& frame) {
+    return frame.angle == 0 ? 32768 : 8192;
 }
 
 const Frame kStraight{72, 0};
@@ -279,7 +284,7 @@ TEST(SurfaceSlow, FacingSquaresReceiveTheExactIrradiance) {
     EXPECT_LE(std::abs(irradianceThrough(facingSquares(1, 0).light, facingSquares(1, 0).target) - 0.19982), 5e-5);
     for (const Frame& frame : {kStraight, kTilted})
         for (const Edges edges : {Edges::sharp, Edges::partial})
-            EXPECT_LE(std::abs(lightPatch(facingSquares(32, kMiddle), frame, edges, sweepsOf(8192)) - 1),
+            EXPECT_LE(std::abs(lightPatch(facingSquares(32, kMiddle), frame, edges, sweepsOf(sweepsFor(frame))) - 1),
                       toleranceOf(frame))
                 << "tilt " << frame.angle << " edges " << int(edges);
 }
@@ -287,14 +292,15 @@ TEST(SurfaceSlow, FacingSquaresReceiveTheExactIrradiance) {
 TEST(SurfaceSlow, SquaresAtARightAngleReceiveTheExactIrradiance) {
     for (const Frame& frame : {kStraight, kTilted})
         for (const Edges edges : {Edges::sharp, Edges::partial})
-            EXPECT_LE(std::abs(lightPatch(cornerSquares(32), frame, edges, sweepsOf(8192)) - 1), toleranceOf(frame))
+            EXPECT_LE(std::abs(lightPatch(cornerSquares(32), frame, edges, sweepsOf(sweepsFor(frame))) - 1),
+                      toleranceOf(frame))
                 << "tilt " << frame.angle << " edges " << int(edges);
 }
 
 TEST(SurfaceSlow, ClosedBoxHasTheExactIrradianceOnEveryFace) {
     for (const Frame& frame : {kStraight, kTilted})
         for (const Edges edges : {Edges::sharp, Edges::partial})
-            for (const double irradiance : closedBox(frame, edges, 32, sweepsOf(4096)))
+            for (const double irradiance : closedBox(frame, edges, 32, sweepsOf(sweepsFor(frame) / 2)))
                 EXPECT_LE(std::abs(irradiance - 1), toleranceOf(frame))
                     << "tilt " << frame.angle << " edges " << int(edges);
 }
@@ -362,13 +368,13 @@ TEST(Surface, SunAndPointShowLambertsLawAndShadows) {
         EXPECT_LE(std::abs(floorAround(lit, {10, 0, 0}) / (0.6 * 2 * -direction.z / kPi) - 1), 0.03) << degrees;
         EXPECT_LE(floorAround(lit, {-10, 9, 0}), 0.02) << degrees;  // under the plate, where the sun throws its shadow
         scene.suns.clear();
-        const Vec3 position(10, 0, 12);
-        scene.points.push_back({frame.world(position), grey(100)});
+        scene.points.push_back({frame.world({-10, 0, 20}), grey(100)});
         lit = illuminate(scene, sweepsOf(0));
-        // Straight below, 22 away: the mean of cos^3 over the disc that is looked at is 1 - 3/2 (1.5/22)^2.
-        const double exact = 0.6 / kPi * 100 / (4 * kPi * 22 * 22) * (1 - 1.5 * 4.5 / (22.0 * 22));
+        // 30 below and 20 aside. Voxels take the light at their middle, up to 0.75 too deep: 1/r^2 and the cosine make
+        // that 3 %.
+        const double exact = 0.6 / kPi * 100 / (4 * kPi) * 30 / std::pow(30.0 * 30 + 20 * 20, 1.5);
         EXPECT_LE(std::abs(floorAround(lit, {10, 0, 0}) / exact - 1), 0.04) << degrees;
-        EXPECT_LE(floorAround(lit, {-17, 0, 0}), 0.1 * exact) << degrees;
+        EXPECT_LE(floorAround(lit, {-10, 0, 0}), 0.02 * exact) << degrees;
     }
 }
 
