@@ -113,6 +113,10 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         {"peak_bytes", a.peakBytes},
         {"voxels_thick_share", lit.thickShare},
         {"options", a.commandLine}};
+    if (scene.skySuns) {
+        json["sky_suns"] = scene.skySuns->count;
+        json["sky_suns_share"] = scene.skySuns->share;
+    }
     json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
                        {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
                        {"write", writeSeconds}};

@@ -6,6 +6,7 @@
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 
 namespace raysweep::apps {
@@ -67,8 +68,7 @@ void addLightSourceOptions(CLI::App& app, LightArguments& a) {
                    "Point light, inside or outside the volume; P: power, W, or P:R:G:B; repeatable")
         ->allow_extra_args(false)
         ->type_name("X,Y,Z,P");
-    app.add_option("--sky", a.sky, "Light from all around; radiance, one number or R,G,B")->type_name("L");
-    app.add_option("--sky-scale", a.skyScale, "Factor on --sky")->capture_default_str();
+    addSkyOptions(app, a.sky);
 }
 
 void addSolverOptions(CLI::App& app, LightArguments& a) {
@@ -175,6 +175,12 @@ std::vector<PointLight> parsePoints(const LightArguments& a) {
     return points;
 }
 
+std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
+    return text;
+}
+
 /// Runs `select`, and says on failure which option was to choose the grid.
 template <class Select>
 auto chosenBy(const std::string& option, const Select& select) {
@@ -270,7 +276,7 @@ void completeOptions(LightArguments& a) {
     }
     requireFactor(a.extinction, "--extinction");
     requireFactor(a.emissionScale, "--emission-scale");
-    requireFactor(a.skyScale, "--sky-scale");
+    checkSky(a.sky);
     parseRamp(a.transfer);
     if (namesGrid(a.albedo))
         gridName(a.albedo, "--albedo");
@@ -279,7 +285,6 @@ void completeOptions(LightArguments& a) {
     if (!a.emission.empty()) gridName(a.emission, "--emission");
     parseSuns(a);
     parsePoints(a);
-    if (!a.sky.empty()) parseColor(a.sky, "--sky");
 }
 
 LightScene buildScene(const LightArguments& a, const VdbFile& file) {
@@ -300,7 +305,11 @@ LightScene buildScene(const LightArguments& a, const VdbFile& file) {
     scene.medium.emissionScale = a.emissionScale;
     scene.suns = parseSuns(a);
     scene.points = parsePoints(a);
-    if (!a.sky.empty()) scene.sky.radiance = parseColor(a.sky, "--sky") * float(a.skyScale);
+    lit.skySuns = addSky(a.sky, scene);
+    if (lit.skySuns)
+        lit.reasons.push_back("sky map: " + std::to_string(lit.skySuns->count) +
+                              " sun(s) stand for its small bright parts, with " + percent(lit.skySuns->share) +
+                              " of its power; the rest enters with the rays");
     return lit;
 }
 

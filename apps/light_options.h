@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli.h"
+#include "sky_options.h"
 #include "transfer_options.h"
 
 #include "raysweep/illuminate/illuminate.h"
@@ -15,11 +16,12 @@ namespace raysweep::apps {
 struct LightArguments {
     CommonOptions common;
     IlluminateOptions options;
-    std::string input, output, density, albedo, emission, sky, plot;
+    std::string input, output, density, albedo, emission, plot;
     TransferArguments transfer;
+    SkyArguments sky;
     std::string exchange = "auto", quality;
     std::vector<std::string> suns, points;
-    double extinction = 1, emissionScale = 1, skyScale = 1;
+    double extinction = 1, emissionScale = 1;
     std::optional<double> tolerance;
     bool fromLevelSet = false, repair = false, half = false, explain = false;
     int snapshots = 0;
@@ -38,6 +40,7 @@ struct LightScene {
     Scene scene;
     std::string density;  ///< the grid that was chosen, by a name that chooses it again
     std::optional<TransferFunction> transfer;
+    std::optional<SkySuns> skySuns;    ///< that stand for bright parts of a sky map; none without a map
     std::vector<std::string> reasons;  ///< what is modelled and why, one line each; the solver's plan has more
 };
 
