@@ -63,10 +63,10 @@ class Solver {
   private:
     /// A single direction stands for the whole sphere: rays carry the radiance over 4 pi steradians.
     void setSky(ExchangeStep& step, const RayFront& front, const Vec3& direction) const {
-        const double factor = scene_.sky.profile ? std::max(0.0, scene_.sky.profile(direction)) : 1;
+        const Color factor = scene_.sky.profile ? scene_.sky.profile(direction) : grey(1);
         for (int c = 0; c < state_.channels; ++c)
-            step.entering[c] =
-                float(double(scene_.sky.radiance[c]) * factor * 4 * kPi * front.crossSection / state_.powerUnit);
+            step.entering[c] = float(double(scene_.sky.radiance[c]) * std::max(0.0, double(factor[c])) * 4 * kPi *
+                                     front.crossSection / state_.powerUnit);
     }
 
     SweepTotals inWatts(SweepTotals totals) const {

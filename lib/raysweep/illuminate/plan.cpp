@@ -17,7 +17,8 @@ bool isBlack(const Color& c) {
 
 bool isColoured(const Scene& scene) {
     bool coloured = isColoured(scene.medium.albedoGrid) || isColoured(scene.medium.emission);
-    coloured = coloured || (!scene.medium.albedoGrid && !isGrey(scene.medium.albedo)) || !isGrey(scene.sky.radiance);
+    coloured = coloured || (!scene.medium.albedoGrid && !isGrey(scene.medium.albedo)) || !isGrey(scene.sky.radiance) ||
+               scene.sky.colouredProfile;
     for (const Sun& sun : scene.suns) coloured = coloured || !isGrey(sun.irradiance);
     for (const PointLight& point : scene.points) coloured = coloured || !isGrey(point.power);
     for (const QuadLight& quad : scene.quads) coloured = coloured || !isGrey(quad.radiance);

@@ -30,8 +30,10 @@ struct QuadLight {
 /// Light from all around, infinitely far away.
 struct Sky {
     Color radiance = grey(0);  ///< W m^-2 sr^-1
-    /// Optional factor on `radiance` for light that travels in a (unit, world) direction; none: 1 everywhere.
-    std::function<double(const Vec3& direction)> profile;
+    /// Optional factor on `radiance`, per wavelength, for light that travels in a (unit, world) direction; not
+    /// negative; none: 1 everywhere.
+    std::function<Color(const Vec3& direction)> profile;
+    bool colouredProfile = false;  ///< `profile` differs between wavelengths
 };
 
 }  // namespace raysweep
