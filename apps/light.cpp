@@ -154,6 +154,7 @@ int run(LightArguments& a) {
 
     Timer timer;
     const VdbFile file = withoutLight(readVdb(a.input));
+    requireOriginal(file);
     const Scene scene = buildScene(a, file);
     const double readSeconds = timer.seconds();
     if (a.explain) {
