@@ -58,7 +58,7 @@ void addExport(CLI::App& app, int&) {
         ->type_name("LIT.vdb");
     command
         ->add_option("-o,--output", options->output,
-                     "The same grids, each moved by half a voxel of its own, which Blender's Cycles moves them back")
+                     "The same grids, each moved back by the half voxel by which Blender's Cycles misplaces it")
         ->required()
         ->type_name("OUT.vdb");
     addCommonOptions(*command, options->common);

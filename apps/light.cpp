@@ -5,6 +5,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/resample.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
@@ -33,6 +34,7 @@ void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const Scene& 
     // As chosen, since a name alone does not tell "density[0]" from "density[1]".
     text("raysweep_density", a.density.empty() ? scene.medium.density->getName() : a.density);
     text("raysweep_exchange", a.options.exchange == MediumExchange::paper ? "paper" : "medium");
+    grid.insertMeta("raysweep_resolution", openvdb::DoubleMetadata(a.resolution));
     grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(scene.medium.extinctionScale));
 }
 
@@ -94,6 +96,7 @@ nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit
         {"plan", lit.plan.reasons},
         {"peak_bytes", a.peakBytes},
         {"voxels_thick_share", lit.thickShare},
+        {"resolution", a.resolution},
         {"options", a.commandLine}};
     json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
                        {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
@@ -104,10 +107,6 @@ nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit
     return json;
 }
 
-void explain(const Plan& plan) {
-    for (const std::string& reason : plan.reasons) std::cout << reason << "\n";
-}
-
 /// A number as people write it, with two digits.
 std::string brief(double value) {
     char text[32];
@@ -115,11 +114,27 @@ std::string brief(double value) {
     return text;
 }
 
+/// What --resolution means for this scene.
+std::string describeResolution(const LightArguments& a, const Scene& scene, const Scene& solved) {
+    return "resolution " + brief(a.resolution) + ": solved on voxels " + brief(1 / a.resolution) + " times as long, " +
+           std::to_string(solved.medium.density->activeVoxelCount()) + " instead of " +
+           std::to_string(scene.medium.density->activeVoxelCount()) + " active ones; radiosity is " +
+           (a.upsample ? "interpolated to the voxels of the input" : "written on the longer voxels");
+}
+
+/// What will be modelled of `solved`, which is `scene` at the resolution asked for.
+Plan planFor(const LightArguments& a, const Scene& scene, const Scene& solved) {
+    Plan plan = planIllumination(solved, a.options);
+    if (a.resolution < 1) plan.reasons.push_back(describeResolution(a, scene, solved));
+    return plan;
+}
+
 void comment(const LightArguments& a, const Illumination& lit) {
     if (lit.thickShare > 0)
         warning(a.common, brief(100 * lit.thickShare) +
                               " % of the voxels have an optical depth above 2, where the grid is too coarse to be "
-                              "accurate; a lower --extinction or finer voxels help");
+                              "accurate; a lower --extinction or " +
+                              (a.resolution < 1 ? "a higher --resolution helps" : "finer voxels help"));
     if (lit.invisibleEmitters > 0)
         warning(a.common, std::to_string(lit.invisibleEmitters) +
                               " voxels emit but have no extinction: they light others but cannot be seen themselves");
@@ -147,6 +162,27 @@ std::string optionsText(CLI::App& command, const LightArguments& a) {
     return text;
 }
 
+/// With --upsample, radiosity on the voxels of the density that was given, and one more around them.
+openvdb::GridBase::Ptr asWritten(const LightArguments& a, const Scene& scene, const openvdb::GridBase::Ptr& radiosity) {
+    return a.upsample && a.resolution < 1 ? sampledOnto(*radiosity, *scene.medium.density, 1) : radiosity;
+}
+
+/// Lights the scene at the resolution asked for, and notes how much memory that took.
+Illumination solve(LightArguments& a, const Scene& scene) {
+    resetPeak();
+    const std::size_t before = residentBytes();
+    TerminalProgress progress(a.common);
+    const Timer timer;
+    const Scene solved = atResolution(scene, a.resolution);
+    const double resampleSeconds = timer.seconds();
+    Illumination lit = illuminate(solved, a.options, progress.callback());
+    lit.plan = planFor(a, scene, solved);
+    lit.seconds.prepare += resampleSeconds;
+    const std::size_t peak = peakResidentBytes();
+    a.peakBytes = peak > before ? peak - before : 0;
+    return lit;
+}
+
 int run(LightArguments& a) {
     const ThreadLimit limit = start(a.common);
     if (!a.explain) requireWritable(a.output);
@@ -159,25 +195,20 @@ int run(LightArguments& a) {
     const double readSeconds = timer.seconds();
     if (a.explain) {
         scene.validate();
-        explain(planIllumination(scene, a.options));
+        for (const std::string& reason : planFor(a, scene, atResolution(scene, a.resolution)).reasons)
+            std::cout << reason << "\n";
         return kDone;
     }
     if (a.snapshots > 0) {
         a.options.snapshotEvery = a.snapshots;
         a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
-            writeLit(numberedName(a.output, sweep), a, scene, file, {radiosity});
+            writeLit(numberedName(a.output, sweep), a, scene, file, {asWritten(a, scene, radiosity)});
         };
     }
 
-    resetPeak();
-    const std::size_t before = residentBytes();
-    TerminalProgress progress(a.common);
-    Illumination lit = illuminate(scene, a.options, progress.callback());
-    const std::size_t peak = peakResidentBytes();
-    a.peakBytes = peak > before ? peak - before : 0;
-
+    const Illumination lit = solve(a, scene);
     timer = Timer();
-    std::vector<openvdb::GridBase::Ptr> grids{lit.radiosity};
+    std::vector<openvdb::GridBase::Ptr> grids{asWritten(a, scene, lit.radiosity)};
     if (lit.unshot) grids.push_back(lit.unshot);
     writeLit(a.output, a, scene, file, grids);
     const double writeSeconds = timer.seconds();

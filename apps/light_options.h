@@ -17,9 +17,9 @@ struct LightArguments {
     std::string input, output, density, albedo = "0.9", emission, sky, plot;
     std::string exchange = "auto", quality;
     std::vector<std::string> suns, points;
-    double extinction = 1, emissionScale = 1, skyScale = 1;
+    double extinction = 1, emissionScale = 1, skyScale = 1, resolution = 1;
     std::optional<double> tolerance;
-    bool fromLevelSet = false, repair = false, half = false, explain = false;
+    bool fromLevelSet = false, repair = false, half = false, explain = false, upsample = false;
     int snapshots = 0;
     std::string commandLine;    ///< all options with their values, for metadata and report
     std::size_t peakBytes = 0;  ///< most memory used while solving, above what was in use before

@@ -38,12 +38,18 @@ light cloud.vdb -o grey.vdb "${grey[@]}"
 light cloud.vdb -o coloured.vdb "${coloured[@]}"
 light cloud.vdb -o half.vdb "${coloured[@]}" --half
 light turned.vdb -o turned-lit.vdb "${grey[@]}"
+light cloud.vdb -o coarse.vdb "${coloured[@]}" --resolution 0.4
+light turned.vdb -o turned-coarse.vdb "${grey[@]}" --resolution 0.5 --half
 
 view=(--size 96,96)
 both grey grey.vdb "${view[@]}"
 both coloured coloured.vdb "${view[@]}" --up 0,1,0 --fov 25
 both half half.vdb "${view[@]}" --ortho 2.4
 both turned turned-lit.vdb --size 120,80 --eye 4,-6,3 --target 3,-2,1 --fov 33
+# Radiosity on longer voxels: the script has a copy made in which each grid is in its place.
+both coarse coarse.vdb "${view[@]}"
+both turned-coarse turned-coarse.vdb --size 120,80 --eye 4,-6,3 --target 3,-2,1 --fov 33
+[ -z "$(ls *.blender.vdb 2>/dev/null)" ] || fail "the copy for Blender was left behind"
 if [ -f "$data/vdb/smoke.vdb" ]; then
     light "$data/vdb/smoke.vdb" -o smoke.vdb --extinction 0.12 --sun 0.3,-1,0.2,3:1:0.7:0.4 --sky 0.3
     both smoke smoke.vdb "${view[@]}" --up 0,1,0 --fov 20
