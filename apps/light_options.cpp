@@ -99,6 +99,11 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
     app.add_option("--quality", a.quality, "The tolerance by name: 0.03, 0.01 or 0.003; --tolerance wins")
         ->check(CLI::IsMember(kQualities).description(""))
         ->type_name("draft|preview|final");
+    app.add_option("--resolution", a.resolution,
+                   "Solve on a grid F times as fine, (0,1]: 0.5 has voxels twice as long, and takes an eighth of the "
+                   "time and memory or a little more")
+        ->type_name("F")
+        ->capture_default_str();
     app.add_option("--zeta", o.zeta, "Part of a voxel's unshot power that one sweep shoots, (0,1]")
         ->capture_default_str();
     addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "nearest|linear",
@@ -117,6 +122,9 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
 
 void addOutputOptions(CLI::App& app, LightArguments& a) {
     app.option_defaults()->group("Output");
+    app.add_flag(
+        "--upsample", a.upsample,
+        "With --resolution: interpolate radiosity to the voxels of the input, for programs that need it there");
     app.add_flag("--half", a.half, "Save radiosity and unshot as half floats: half the size, values up to 65504");
     app.add_option("--snapshots", a.snapshots,
                    "Also write the answer so far every N sweeps, as OUT_0020.vdb and so on; 0: no")
@@ -306,6 +314,7 @@ void completeOptions(LightArguments& a) {
     } catch (const InvalidArgument& e) {
         usageError("options", e.what());
     }
+    if (!(a.resolution > 0 && a.resolution <= 1)) usageError("--resolution", "must be above 0 and at most 1");
     requireFactor(a.extinction, "--extinction");
     requireFactor(a.emissionScale, "--emission-scale");
     checkSky(a.sky);

@@ -21,9 +21,9 @@ struct LightArguments {
     SkyArguments sky;
     std::string quality;
     std::vector<std::string> suns, points, quads;
-    double extinction = 1, emissionScale = 1;
+    double extinction = 1, emissionScale = 1, resolution = 1;
     std::optional<double> tolerance;
-    bool fromLevelSet = false, repair = false, half = false, explain = false;
+    bool fromLevelSet = false, repair = false, half = false, explain = false, upsample = false;
     int snapshots = 0;
     std::string commandLine;    ///< all options with their values, for metadata and report
     std::size_t peakBytes = 0;  ///< most memory used while solving, above what was in use before
