@@ -52,14 +52,19 @@ void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const LightSc
     if (!a.transfer.table.empty()) text("raysweep_transfer", toJson(*lit.transfer));
     text("raysweep_exchange", nameOf(a.options.exchange, lit.scene.medium.solid));
     grid.insertMeta("raysweep_resolution", openvdb::DoubleMetadata(a.resolution));
-    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(lit.scene.medium.extinctionScale));
+    // The grid `extinction` that goes with it is the whole of it.
+    const double extinction = lit.ownExtinction ? 1 : lit.scene.medium.extinctionScale;
+    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(extinction));
 }
 
 /// The extinction that was lit as a grid to be written; null where it is a multiple of a grid of the input.
 openvdb::GridBase::Ptr extinctionGrid(const LightArguments& a, const LightScene& lit) {
-    if (!lit.transfer) return nullptr;
+    if (!lit.ownExtinction) return nullptr;
     const openvdb::FloatGrid::Ptr grid = lit.scene.medium.density->deepCopy();
     voxelizeTiles(*grid);
+    const auto scale = float(lit.scene.medium.extinctionScale);
+    if (scale != 1)
+        for (auto on = grid->beginValueOn(); on; ++on) on.setValue(*on * scale);
     setMetadata(*grid, a, lit);
     return grid;
 }
@@ -196,7 +201,7 @@ void comment(const LightArguments& a, const Illumination& lit) {
 
 void warnOfSecondExtinction(const LightArguments& a, const LightScene& scene, const VdbFile& input) {
     const auto own = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "extinction"; };
-    if (scene.transfer && std::any_of(input.grids.begin(), input.grids.end(), own))
+    if (scene.ownExtinction && std::any_of(input.grids.begin(), input.grids.end(), own))
         warning(a.common,
                 "'" + input.path + "' has a grid 'extinction' of its own; the output will have two of that name");
 }
