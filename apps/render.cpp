@@ -1,14 +1,11 @@
 /// raysweep render: a picture, or a turntable of pictures, of a lit volume.
 #include "cli.h"
-#include "transfer_options.h"
+#include "render_source.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
-#include "raysweep/volume/classify.h"
-#include "raysweep/volume/grid_select.h"
-#include "raysweep/volume/vdb_io.h"
 
 #include <nlohmann/json.hpp>
 
@@ -24,18 +21,19 @@ namespace {
 struct Arguments {
     CommonOptions common;
     RenderOptions options;
-    std::string input, densityName;
-    TransferArguments transfer;
+    RenderSource source;
     std::vector<std::string> outputs;
     std::string size = "512,512", eye, target, up, background = "0";
     double fov = Camera().fov;
-    std::optional<double> orthoWidth, extinction;
+    std::optional<double> orthoWidth;
     int turntable = 0;
     double exposure = 0;
 };
 
 void addOptions(CLI::App& app, Arguments& a) {
-    app.add_option("input", a.input, "Lit volume, a .vdb written by raysweep light")->required()->type_name("LIT.vdb");
+    app.add_option("input", a.source.input, "Lit volume, a .vdb written by raysweep light")
+        ->required()
+        ->type_name("LIT.vdb");
     app.add_option("-o,--output", a.outputs, "Picture to write, .exr (linear) or .png (sRGB); repeatable")
         ->required()
         ->allow_extra_args(false)
@@ -58,11 +56,7 @@ void addOptions(CLI::App& app, Arguments& a) {
            "Linear radiance behind the volume, one number or R,G,B; part of the picture's colour, not of its alpha")
         ->capture_default_str()
         ->type_name("R,G,B");
-    app.option_defaults()->group("Volume");
-    app.add_option("--density", a.densityName, "Density grid (default: the one that was lit)")->type_name("NAME");
-    auto* const extinction = app.add_option(
-        "--extinction", a.extinction, "Extinction per unit density, 1/world unit (default: as it was lit, else 1)");
-    addTransferOptions(app, a.transfer, extinction);
+    addRenderSource(app, a.source);
     app.option_defaults()->group("Picture");
     app.add_option("--step", a.options.step, "Distance between samples, voxels")->capture_default_str();
     app.add_option("--samples", a.options.samples, "Rays per pixel along each side: 2 means 2 x 2")
@@ -85,37 +79,6 @@ void requireOutputs(const Arguments& a) {
             usageError("--output", "'" + output + "' must end in .exr or .png");
         requireWritable(a.turntable ? numberedName(output, 1) : output);
     }
-}
-
-double numberFrom(const openvdb::Metadata& metadata) {
-    if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&metadata)) return number->value();
-    if (const auto* number = dynamic_cast<const openvdb::FloatMetadata*>(&metadata)) return number->value();
-    throw InvalidArgument("metadata 'raysweep_extinction' of grid 'radiosity' is of type " + metadata.typeName() +
-                          ", not a number; give --extinction");
-}
-
-/// Finds the grids; what the user leaves open is as it was when the file was lit.
-RenderInput selectInput(const Arguments& a, const VdbFile& file) {
-    requireOriginal(file);
-    openvdb::GridBase::ConstPtr radiosity;
-    for (const auto& grid : file.grids)
-        if (grid->getName() == "radiosity") radiosity = grid;
-    if (!radiosity)
-        throw InvalidArgument("'" + file.path + "' has no grid 'radiosity': run 'raysweep light " + file.path +
-                              " -o LIT.vdb' first and render LIT.vdb");
-    // A file that was lit with a transfer function holds the extinction itself.
-    const openvdb::FloatGrid::Ptr written = writtenExtinction(file);
-    if (written && a.densityName.empty() && !a.extinction && !a.transfer.given()) return {written, 1, radiosity};
-    std::string name = a.densityName;
-    const auto litDensity = (*radiosity)["raysweep_density"], litExtinction = (*radiosity)["raysweep_extinction"];
-    if (name.empty() && litDensity) name = litDensity->str();
-    RenderInput input;
-    input.density = selectDensity(withoutLight(file), name);
-    input.radiosity = radiosity;
-    input.extinctionScale = a.extinction ? *a.extinction : litExtinction ? numberFrom(*litExtinction) : 1.0;
-    if (const auto function = transferFunction(a.transfer))
-        input = {classify(*input.density, *function).extinction, 1, radiosity};
-    return input;
 }
 
 /// Whole numbers W,H.
@@ -172,7 +135,7 @@ nlohmann::ordered_json listOf(const Vec3& v) {
 }
 
 nlohmann::ordered_json describe(const Arguments& a, const RenderInput& input, const Camera& camera) {
-    nlohmann::ordered_json json = {{"input", a.input},
+    nlohmann::ordered_json json = {{"input", a.source.input},
                                    {"outputs", a.outputs},
                                    {"width", camera.width},
                                    {"height", camera.height},
@@ -199,8 +162,7 @@ Camera requireArguments(Arguments& a) {
     } catch (const InvalidArgument& e) {
         usageError("render", e.what());
     }
-    if (a.extinction) requireFactor(*a.extinction, "--extinction");
-    parseRamp(a.transfer);
+    requireRenderSource(a.source);
     if (!std::isfinite(a.exposure)) usageError("--exposure", "must be finite");
     requireOutputs(a);
     return lens;
@@ -209,7 +171,7 @@ Camera requireArguments(Arguments& a) {
 int run(Arguments& a) {
     const ThreadLimit limit = start(a.common);
     const Camera lens = requireArguments(a);
-    const RenderInput input = selectInput(a, readVdb(a.input));
+    const RenderInput input = renderInput(a.source);
     const Camera camera = place(lens, a, *input.density);
 
     const int frames = a.turntable ? a.turntable : 1;
