@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
 #include <map>
 #include <memory>
 
@@ -25,16 +24,8 @@ using Maker = openvdb::FloatGrid::Ptr (*)(const PhantomOptions&);
 const std::map<std::string, Maker> kMakers = {{"box", makeBox}, {"cloud", makeCloud}, {"sphere", makeSphere}};
 
 openvdb::Coord parseDims(const std::string& text) {
-    const std::string option = "--dims";
-    openvdb::Coord dims;
-    const std::vector<double> numbers = parseNumbers(text, option, 3, 3, "64,32,16");
-    for (int axis = 0; axis < 3; ++axis) {
-        const double number = numbers[std::size_t(axis)];
-        if (number != std::floor(number) || number < 1 || number > 4096)
-            usageError(option, "'" + text + "': whole numbers from 1 to 4096 are needed");
-        dims[axis] = int(number);
-    }
-    return dims;
+    const std::vector<int> dims = parseWhole(text, "--dims", 3, 1, 4096, "64,32,16");
+    return openvdb::Coord(dims[0], dims[1], dims[2]);
 }
 
 void runGenerate(GenerateOptions options) {
