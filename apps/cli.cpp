@@ -174,10 +174,21 @@ std::string numberedName(const std::string& path, int number) {
     return (whole.parent_path() / (whole.stem().string() + digits + whole.extension().string())).string();
 }
 
+openvdb::FloatGrid::Ptr writtenExtinction(const VdbFile& file) {
+    for (const auto& grid : file.grids)
+        // Other subcommands leave their version, too; which density was lit only `light` says.
+        if (grid->getName() == "extinction" && grid->isType<openvdb::FloatGrid>() && (*grid)["raysweep_version"] &&
+            (*grid)["raysweep_density"])
+            return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+    return nullptr;
+}
+
 VdbFile withoutLight(const VdbFile& file) {
     VdbFile rest{file.path, {}, file.metadata};
+    const openvdb::GridBase::Ptr extinction = writtenExtinction(file);
     for (const auto& grid : file.grids)
-        if (grid->getName() != "radiosity" && grid->getName() != "unshot") rest.grids.push_back(grid);
+        if (grid->getName() != "radiosity" && grid->getName() != "unshot" && grid != extinction)
+            rest.grids.push_back(grid);
     return rest;
 }
 

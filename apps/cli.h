@@ -53,7 +53,11 @@ std::string numberedName(const std::string& path, int number);
 /// How --help is laid out.
 std::shared_ptr<CLI::FormatterBase> helpFormatter();
 
-/// The grids of `file` without those that `raysweep light` adds, radiosity and unshot.
+/// The extinction that `raysweep light` wrote where it is no multiple of the density; null if `file` has none. A grid
+/// of that name that was the user's own is not meant.
+openvdb::FloatGrid::Ptr writtenExtinction(const VdbFile& file);
+
+/// The grids of `file` without those that `raysweep light` adds: radiosity, unshot, and extinction if it wrote one.
 VdbFile withoutLight(const VdbFile& file);
 
 /// Every subcommand starts with this: limits the threads for as long as the result lives, and checks that the report

@@ -18,29 +18,56 @@
 namespace raysweep::apps {
 namespace {
 
+constexpr double kManySweeps = 2000;  ///< several times what most scenes need
+
 /// Half floats end at 65504. @return number of voxels clamped
 std::size_t clampGrid(openvdb::GridBase& grid) {
     if (grid.isType<openvdb::FloatGrid>()) return clampForHalf(static_cast<openvdb::FloatGrid&>(grid));
     return clampForHalf(static_cast<openvdb::Vec3SGrid&>(grid));
 }
 
-void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const Scene& scene) {
+const char* nameOf(Exchange exchange, bool solid) {
+    switch (exchange) {
+        case Exchange::automatic:
+            return solid ? "surface" : "medium";
+        case Exchange::medium:
+            return "medium";
+        case Exchange::surface:
+            return "surface";
+        case Exchange::paper:
+            return "paper";
+    }
+    return "";
+}
+
+void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const LightScene& lit) {
     const auto text = [&](const char* key, const std::string& value) {
         grid.insertMeta(key, openvdb::StringMetadata(value));
     };
     text("raysweep_version", RAYSWEEP_VERSION);
     text("raysweep_options", a.commandLine);
-    // As chosen, since a name alone does not tell "density[0]" from "density[1]".
-    text("raysweep_density", a.density.empty() ? scene.medium.density->getName() : a.density);
-    text("raysweep_exchange", a.options.exchange == MediumExchange::paper ? "paper" : "medium");
-    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(scene.medium.extinctionScale));
+    text("raysweep_density", lit.density);
+    if (!a.transfer.ramp.empty()) text("raysweep_ramp", a.transfer.ramp);
+    if (!a.transfer.table.empty()) text("raysweep_transfer", toJson(*lit.transfer));
+    text("raysweep_exchange", nameOf(a.options.exchange, lit.scene.medium.solid));
+    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(lit.scene.medium.extinctionScale));
+}
+
+/// The extinction that was lit as a grid to be written; null where it is a multiple of a grid of the input.
+openvdb::GridBase::Ptr extinctionGrid(const LightArguments& a, const LightScene& lit) {
+    if (!lit.transfer) return nullptr;
+    const openvdb::FloatGrid::Ptr grid = lit.scene.medium.density->deepCopy();
+    voxelizeTiles(*grid);
+    setMetadata(*grid, a, lit);
+    return grid;
 }
 
 /// All grids of the input and what is written now.
-void writeLit(const std::string& path, const LightArguments& a, const Scene& scene, const VdbFile& input,
+void writeLit(const std::string& path, const LightArguments& a, const LightScene& scene, const VdbFile& input,
               const std::vector<openvdb::GridBase::Ptr>& lit) {
     openvdb::GridCPtrVec grids;
     for (const auto& grid : input.grids) grids.push_back(grid);
+    if (const auto extinction = extinctionGrid(a, scene)) grids.push_back(extinction);
     for (const auto& grid : lit) {
         setMetadata(*grid, a, scene);
         grid->setSaveFloatAsHalf(a.half);
@@ -73,8 +100,15 @@ const char* nameOf(Termination termination) {
     return "";
 }
 
-nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit, double readSeconds,
-                                double writeSeconds) {
+/// What was modelled and why: what the options came to, and the solver's plan.
+std::vector<std::string> reasonsOf(const LightScene& scene, const Plan& plan) {
+    std::vector<std::string> reasons = scene.reasons;
+    reasons.insert(reasons.end(), plan.reasons.begin(), plan.reasons.end());
+    return reasons;
+}
+
+nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene, const Illumination& lit,
+                                double readSeconds, double writeSeconds) {
     const int channels = lit.plan.channels, sweeps = lit.sweeps + lit.finishingSweeps;
     const double sweeping = lit.seconds.sweeps + lit.seconds.finish;
     nlohmann::ordered_json json = {
@@ -91,10 +125,15 @@ nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit
         {"balance_error", lit.power.error()},
         {"converged", lit.termination == Termination::converged || lit.termination == Termination::direct},
         {"termination", nameOf(lit.termination)},
-        {"plan", lit.plan.reasons},
+        {"plan", reasonsOf(scene, lit.plan)},
         {"peak_bytes", a.peakBytes},
         {"voxels_thick_share", lit.thickShare},
+        {"voxels_surface", lit.surfaceVoxels},
         {"options", a.commandLine}};
+    if (scene.skySuns) {
+        json["sky_suns"] = scene.skySuns->count;
+        json["sky_suns_share"] = scene.skySuns->share;
+    }
     json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
                        {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
                        {"write", writeSeconds}};
@@ -104,8 +143,10 @@ nlohmann::ordered_json describe(const LightArguments& a, const Illumination& lit
     return json;
 }
 
-void explain(const Plan& plan) {
-    for (const std::string& reason : plan.reasons) std::cout << reason << "\n";
+void explain(const LightScene& scene, const IlluminateOptions& options) {
+    scene.scene.validate();
+    for (const std::string& reason : reasonsOf(scene, planIllumination(scene.scene, options)))
+        std::cout << reason << "\n";
 }
 
 /// A number as people write it, with two digits.
@@ -116,10 +157,14 @@ std::string brief(double value) {
 }
 
 void comment(const LightArguments& a, const Illumination& lit) {
-    if (lit.thickShare > 0)
+    if (lit.sweepsToReach > kManySweeps)
+        warning(a.common, "the emitting voxels are so few that it takes about " + brief(lit.sweepsToReach) +
+                              " sweeps until their light has been everywhere; --point would converge sooner");
+    if (lit.thickShare > 0 && !lit.plan.surfaces)
         warning(a.common, brief(100 * lit.thickShare) +
                               " % of the voxels have an optical depth above 2, where the grid is too coarse to be "
-                              "accurate; a lower --extinction or finer voxels help");
+                              "accurate; " +
+                              (a.transfer.given() ? "" : "a lower --extinction or ") + "finer voxels help");
     if (lit.invisibleEmitters > 0)
         warning(a.common, std::to_string(lit.invisibleEmitters) +
                               " voxels emit but have no extinction: they light others but cannot be seen themselves");
@@ -136,10 +181,20 @@ void comment(const LightArguments& a, const Illumination& lit) {
                          " to finish, power balance error " + brief(lit.power.error()));
 }
 
+void warnOfSecondExtinction(const LightArguments& a, const LightScene& scene, const VdbFile& input) {
+    const auto own = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "extinction"; };
+    if (scene.transfer && std::any_of(input.grids.begin(), input.grids.end(), own))
+        warning(a.common,
+                "'" + input.path + "' has a grid 'extinction' of its own; the output will have two of that name");
+}
+
 /// All options as a config file, which makes the same again. Those that were not given and have no default are left
 /// out.
 std::string optionsText(CLI::App& command, const LightArguments& a) {
     command.get_option("--tolerance")->default_str(brief(a.options.tolerance));
+    // What a transfer function takes the place of is no default then.
+    if (a.transfer.given()) command.get_option("--extinction")->default_str("");
+    if (!a.transfer.table.empty()) command.get_option("--albedo")->default_str("");
     std::istringstream all(command.config_to_str(/*default_also=*/true));
     std::string text;
     for (std::string line; std::getline(all, line);)
@@ -154,11 +209,11 @@ int run(LightArguments& a) {
 
     Timer timer;
     const VdbFile file = withoutLight(readVdb(a.input));
-    const Scene scene = buildScene(a, file);
+    const LightScene scene = buildScene(a, file);
+    warnOfSecondExtinction(a, scene, file);
     const double readSeconds = timer.seconds();
     if (a.explain) {
-        scene.validate();
-        explain(planIllumination(scene, a.options));
+        explain(scene, a.options);
         return kDone;
     }
     if (a.snapshots > 0) {
@@ -171,7 +226,7 @@ int run(LightArguments& a) {
     resetPeak();
     const std::size_t before = residentBytes();
     TerminalProgress progress(a.common);
-    Illumination lit = illuminate(scene, a.options, progress.callback());
+    Illumination lit = illuminate(scene.scene, a.options, progress.callback());
     const std::size_t peak = peakResidentBytes();
     a.peakBytes = peak > before ? peak - before : 0;
 
@@ -181,7 +236,7 @@ int run(LightArguments& a) {
     writeLit(a.output, a, scene, file, grids);
     const double writeSeconds = timer.seconds();
     comment(a, lit);
-    writeReport(a.common, describe(a, lit, readSeconds, writeSeconds));
+    writeReport(a.common, describe(a, scene, lit, readSeconds, writeSeconds));
     if (!a.plot.empty()) plotConvergence(a.plot, lit.history, a.options.tolerance);
     return lit.termination == Termination::interrupted ? kInterrupted : kDone;
 }

@@ -1,10 +1,12 @@
 #include "light_options.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 
 namespace raysweep::apps {
@@ -12,6 +14,10 @@ namespace {
 
 const std::map<std::string, Interpolation> kInterpolations = {{"nearest", Interpolation::nearest},
                                                               {"linear", Interpolation::linear}};
+const std::map<std::string, Exchange> kExchanges = {{"auto", Exchange::automatic},
+                                                    {"medium", Exchange::medium},
+                                                    {"surface", Exchange::surface},
+                                                    {"paper", Exchange::paper}};
 const std::map<std::string, Remaining> kRemaining = {
     {"shoot", Remaining::shoot}, {"drop", Remaining::drop}, {"spread", Remaining::spread}};
 const std::map<std::string, DirectionSet> kDirectionSets = {{"fibonacci", DirectionSet::fibonacci},
@@ -19,6 +25,8 @@ const std::map<std::string, DirectionSet> kDirectionSets = {{"fibonacci", Direct
                                                             {"low-discrepancy", DirectionSet::lowDiscrepancy}};
 /// Tolerances of the named qualities; `preview` is the default tolerance.
 const std::map<std::string, double> kQualities = {{"draft", 0.03}, {"preview", 0.01}, {"final", 0.003}};
+
+const char* const kDefaultAlbedo = "0.9";
 
 template <class Value>
 void addChoice(CLI::App& app, const std::string& name, Value& value, const std::map<std::string, Value>& choices,
@@ -36,14 +44,17 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
            "--density", a.density,
            "Grid that is lit; 'NAME[1]' is the second of that name (default: density, else the only float grid)")
         ->type_name("NAME");
-    app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit: how thick the volume is")
-        ->capture_default_str();
+    auto* const extinction = app.add_option("--extinction", a.extinction,
+                                            "Extinction per unit density, 1/world unit: how thick the volume is")
+                                 ->capture_default_str();
+    addTransferOptions(app, a.transfer, extinction);
     app.add_flag("--from-level-set", a.fromLevelSet, "The density grid is a level set: light its inside as fog");
     app.add_flag("--repair", a.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
     app.add_option(
            "--albedo", a.albedo,
-           "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid")
-        ->capture_default_str()
+           "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid; "
+           "takes the place of colours of --transfer")
+        ->default_str(kDefaultAlbedo)
         ->type_name("A|grid:NAME");
     app.add_option("--emission", a.emission, "Grid of emitted power density, W/unit^3, float or vec3s")
         ->type_name("grid:NAME");
@@ -61,17 +72,23 @@ void addLightSourceOptions(CLI::App& app, LightArguments& a) {
                    "Point light, inside or outside the volume; P: power, W, or P:R:G:B; repeatable")
         ->allow_extra_args(false)
         ->type_name("X,Y,Z,P");
-    app.add_option("--sky", a.sky, "Light from all around; radiance, one number or R,G,B")->type_name("L");
-    app.add_option("--sky-scale", a.skyScale, "Factor on --sky")->capture_default_str();
+    app.add_option(
+           "--quad", a.quads,
+           "Area light: corner O, edges U and V, shining towards U x V with radiance L (or L:R:G:B); lights but "
+           "is not seen; repeatable")
+        ->allow_extra_args(false)
+        ->type_name("OX,OY,OZ,UX,UY,UZ,VX,VY,VZ,L");
+    addSkyOptions(app, a.sky);
 }
 
 void addSolverOptions(CLI::App& app, LightArguments& a) {
     app.option_defaults()->group("Solver");
     IlluminateOptions& o = a.options;
-    app.add_option("--exchange", a.exchange,
-                   "What voxels and rays exchange; auto: medium; paper: Algorithm 1 as printed")
-        ->check(CLI::IsMember({"auto", "medium", "paper"}).description(""))
-        ->type_name("auto|medium|paper")
+    addChoice(app, "--exchange", o.exchange, kExchanges, "auto", "auto|medium|surface|paper",
+              "What voxels and rays exchange; auto: surfaces in solids (--ramp, --transfer, level sets), else medium; "
+              "paper: Algorithm 1 as printed");
+    app.add_option("--surface-threshold", o.surfaceThreshold,
+                   "A voxel of a solid is a surface where opacity changes by more than this per voxel, [0,1]")
         ->capture_default_str();
     app.add_option("--tolerance", a.tolerance,
                    "Stop when 20 sweeps change the answer by less than this part (RMS of radiosity); 0: never "
@@ -169,6 +186,34 @@ std::vector<PointLight> parsePoints(const LightArguments& a) {
     return points;
 }
 
+std::vector<QuadLight> parseQuads(const LightArguments& a) {
+    const std::string example = "-1,5,-1,0,0,2,2,0,0,3";
+    std::vector<QuadLight> quads;
+    for (const std::string& text : a.quads) {
+        const std::vector<std::string> parts = split(text, ',');
+        if (parts.size() != 10)
+            usageError(
+                "--quad",
+                "'" + text + "': corner, two edges and a radiance, ten values, are needed, as in --quad " + example);
+        double at[9];
+        for (std::size_t i = 0; i < 9; ++i) at[i] = parseNumber(parts[i], "--quad", example);
+        QuadLight quad{{at[0], at[1], at[2]},
+                       {at[3], at[4], at[5]},
+                       {at[6], at[7], at[8]},
+                       parseStrength(parts[9], "--quad", example)};
+        if (quad.u.cross(quad.v).length() == 0)
+            usageError("--quad", "'" + text + "': the quad has no area: its edges are parallel, or one has no length");
+        quads.push_back(quad);
+    }
+    return quads;
+}
+
+std::string percent(double share) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
+    return text;
+}
+
 /// Runs `select`, and says on failure which option was to choose the grid.
 template <class Select>
 auto chosenBy(const std::string& option, const Select& select) {
@@ -185,15 +230,18 @@ Color parseAlbedo(const std::string& text) {
     return albedo;
 }
 
+void sayRepaired(const LightArguments& a, std::size_t count, const std::string& name, const std::string& what) {
+    if (count > 0)
+        warning(a.common, std::to_string(count) + (count > 1 ? " voxels" : " voxel") + " of '" + name +
+                              (count > 1 ? "' were " : "' was ") + what +
+                              (count > 1 ? " and count as 0" : " and counts as 0"));
+}
+
 /// A copy without voxels that light transport cannot work with; says how many there were.
 template <class Grid>
 typename Grid::Ptr repaired(const LightArguments& a, const Grid& grid) {
     const typename Grid::Ptr copy = grid.deepCopy();
-    const std::size_t count = repairVoxels(*copy);
-    if (count > 0)
-        warning(a.common, std::to_string(count) + (count > 1 ? " voxels" : " voxel") + " of '" + grid.getName() +
-                              (count > 1 ? "' were NaN, infinite or negative and count as 0"
-                                         : "' was NaN, infinite or negative and counts as 0"));
+    sayRepaired(a, repairVoxels(*copy), grid.getName(), "NaN, infinite or negative");
     return copy;
 }
 
@@ -201,7 +249,27 @@ openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile&
     const openvdb::FloatGrid::Ptr density = chosenBy("--density", [&] {
         return a.fromLevelSet ? selectLevelSetAsFog(file, a.density) : selectDensity(file, a.density);
     });
-    return a.repair ? repaired(a, *density) : density;
+    if (!a.repair) return density;
+    if (!a.transfer.given()) return repaired(a, *density);
+    // A transfer function gives negative values a meaning, too.
+    const openvdb::FloatGrid::Ptr copy = density->deepCopy();
+    sayRepaired(a, repairNotFinite(*copy), density->getName(), "NaN or infinite");
+    return copy;
+}
+
+/// Puts what the transfer function makes of the density in its place.
+void classifyMedium(const LightArguments& a, LightScene& lit) {
+    Medium& medium = lit.scene.medium;
+    const ClassifiedVolume classified = classify(*medium.density, *lit.transfer);
+    medium.density = classified.extinction;
+    medium.extinctionScale = 1;
+    medium.solid = true;
+    lit.reasons.push_back(a.transfer.ramp.empty()
+                              ? "extinction: '" + lit.density + "' classified by the table '" + a.transfer.table + "'"
+                              : "extinction: '" + lit.density + "' classified by the ramp " + a.transfer.ramp);
+    if (!classified.albedo || !a.albedo.empty()) return;
+    medium.albedoGrid = classified.albedo;
+    lit.reasons.push_back("albedo: the table's colours");
 }
 
 openvdb::GridBase::ConstPtr emissionFrom(const LightArguments& a, const VdbFile& file) {
@@ -232,7 +300,6 @@ void completeOptions(LightArguments& a) {
     IlluminateOptions& o = a.options;
     if (!a.quality.empty()) o.tolerance = kQualities.at(a.quality);
     if (a.tolerance) o.tolerance = *a.tolerance;
-    o.exchange = a.exchange == "paper" ? MediumExchange::paper : MediumExchange::consistent;
     o.seed = a.common.seed;
     try {
         o.validate();
@@ -241,32 +308,43 @@ void completeOptions(LightArguments& a) {
     }
     requireFactor(a.extinction, "--extinction");
     requireFactor(a.emissionScale, "--emission-scale");
-    requireFactor(a.skyScale, "--sky-scale");
+    checkSky(a.sky);
+    parseRamp(a.transfer);
     if (namesGrid(a.albedo))
         gridName(a.albedo, "--albedo");
-    else
+    else if (!a.albedo.empty())
         parseAlbedo(a.albedo);
     if (!a.emission.empty()) gridName(a.emission, "--emission");
     parseSuns(a);
     parsePoints(a);
-    if (!a.sky.empty()) parseColor(a.sky, "--sky");
+    parseQuads(a);
 }
 
-Scene buildScene(const LightArguments& a, const VdbFile& file) {
-    Scene scene;
+LightScene buildScene(const LightArguments& a, const VdbFile& file) {
+    LightScene lit;
+    Scene& scene = lit.scene;
+    lit.transfer = transferFunction(a.transfer);
     scene.medium.density = densityFrom(a, file);
+    // As chosen, since a name alone does not tell "density[0]" from "density[1]".
+    lit.density = a.density.empty() ? scene.medium.density->getName() : a.density;
     scene.medium.extinctionScale = a.extinction;
     if (namesGrid(a.albedo))
         scene.medium.albedoGrid =
             chosenBy("--albedo", [&] { return selectGrid(file, gridName(a.albedo, "--albedo")); });
     else
-        scene.medium.albedo = parseAlbedo(a.albedo);
+        scene.medium.albedo = parseAlbedo(a.albedo.empty() ? kDefaultAlbedo : a.albedo);
+    if (lit.transfer) classifyMedium(a, lit);
     if (!a.emission.empty()) scene.medium.emission = emissionFrom(a, file);
     scene.medium.emissionScale = a.emissionScale;
     scene.suns = parseSuns(a);
     scene.points = parsePoints(a);
-    if (!a.sky.empty()) scene.sky.radiance = parseColor(a.sky, "--sky") * float(a.skyScale);
-    return scene;
+    scene.quads = parseQuads(a);
+    lit.skySuns = addSky(a.sky, scene);
+    if (lit.skySuns)
+        lit.reasons.push_back("sky map: " + std::to_string(lit.skySuns->count) +
+                              " sun(s) stand for its small bright parts, with " + percent(lit.skySuns->share) +
+                              " of its power; the rest enters with the rays");
+    return lit;
 }
 
 }  // namespace raysweep::apps

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "cli.h"
+#include "sky_options.h"
+#include "transfer_options.h"
 
 #include "raysweep/illuminate/illuminate.h"
 #include "raysweep/volume/vdb_io.h"
@@ -14,10 +16,12 @@ namespace raysweep::apps {
 struct LightArguments {
     CommonOptions common;
     IlluminateOptions options;
-    std::string input, output, density, albedo = "0.9", emission, sky, plot;
-    std::string exchange = "auto", quality;
-    std::vector<std::string> suns, points;
-    double extinction = 1, emissionScale = 1, skyScale = 1;
+    std::string input, output, density, albedo, emission, plot;
+    TransferArguments transfer;
+    SkyArguments sky;
+    std::string quality;
+    std::vector<std::string> suns, points, quads;
+    double extinction = 1, emissionScale = 1;
     std::optional<double> tolerance;
     bool fromLevelSet = false, repair = false, half = false, explain = false;
     int snapshots = 0;
@@ -31,8 +35,17 @@ void addLightOptions(CLI::App& app, LightArguments& arguments);
 /// @throw CLI::ValidationError for values that cannot be understood
 void completeOptions(LightArguments& arguments);
 
+/// What the arguments and the input come to.
+struct LightScene {
+    Scene scene;
+    std::string density;  ///< the grid that was chosen, by a name that chooses it again
+    std::optional<TransferFunction> transfer;
+    std::optional<SkySuns> skySuns;    ///< that stand for bright parts of a sky map; none without a map
+    std::vector<std::string> reasons;  ///< what is modelled and why, one line each; the solver's plan has more
+};
+
 /// The scene the arguments describe. Repairs voxels if asked to.
 /// @throw InvalidArgument if grids are missing or not of the kind that is needed
-Scene buildScene(const LightArguments& arguments, const VdbFile& file);
+LightScene buildScene(const LightArguments& arguments, const VdbFile& file);
 
 }  // namespace raysweep::apps

@@ -1,10 +1,12 @@
 /// raysweep render: a picture, or a turntable of pictures, of a lit volume.
 #include "cli.h"
+#include "transfer_options.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
+#include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/vdb_io.h"
 
@@ -23,6 +25,7 @@ struct Arguments {
     CommonOptions common;
     RenderOptions options;
     std::string input, densityName;
+    TransferArguments transfer;
     std::vector<std::string> outputs;
     std::string size = "512,512", eye, target, up, background = "0";
     double fov = Camera().fov;
@@ -57,8 +60,9 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->type_name("R,G,B");
     app.option_defaults()->group("Volume");
     app.add_option("--density", a.densityName, "Density grid (default: the one that was lit)")->type_name("NAME");
-    app.add_option("--extinction", a.extinction,
-                   "Extinction per unit density, 1/world unit (default: as it was lit, else 1)");
+    auto* const extinction = app.add_option(
+        "--extinction", a.extinction, "Extinction per unit density, 1/world unit (default: as it was lit, else 1)");
+    addTransferOptions(app, a.transfer, extinction);
     app.option_defaults()->group("Picture");
     app.add_option("--step", a.options.step, "Distance between samples, voxels")->capture_default_str();
     app.add_option("--samples", a.options.samples, "Rays per pixel along each side: 2 means 2 x 2")
@@ -98,6 +102,9 @@ RenderInput selectInput(const Arguments& a, const VdbFile& file) {
     if (!radiosity)
         throw InvalidArgument("'" + file.path + "' has no grid 'radiosity': run 'raysweep light " + file.path +
                               " -o LIT.vdb' first and render LIT.vdb");
+    // A file that was lit with a transfer function holds the extinction itself.
+    const openvdb::FloatGrid::Ptr written = writtenExtinction(file);
+    if (written && a.densityName.empty() && !a.extinction && !a.transfer.given()) return {written, 1, radiosity};
     std::string name = a.densityName;
     const auto litDensity = (*radiosity)["raysweep_density"], litExtinction = (*radiosity)["raysweep_extinction"];
     if (name.empty() && litDensity) name = litDensity->str();
@@ -105,6 +112,8 @@ RenderInput selectInput(const Arguments& a, const VdbFile& file) {
     input.density = selectDensity(withoutLight(file), name);
     input.radiosity = radiosity;
     input.extinctionScale = a.extinction ? *a.extinction : litExtinction ? numberFrom(*litExtinction) : 1.0;
+    if (const auto function = transferFunction(a.transfer))
+        input = {classify(*input.density, *function).extinction, 1, radiosity};
     return input;
 }
 
@@ -190,6 +199,7 @@ Camera requireArguments(Arguments& a) {
         usageError("render", e.what());
     }
     if (a.extinction) requireFactor(*a.extinction, "--extinction");
+    parseRamp(a.transfer);
     if (!std::isfinite(a.exposure)) usageError("--exposure", "must be finite");
     requireOutputs(a);
     return lens;

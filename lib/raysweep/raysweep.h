@@ -11,6 +11,8 @@
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
 #include "raysweep/scene/scene.h"
+#include "raysweep/scene/sky_map.h"
+#include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/phantom.h"
 #include "raysweep/volume/vdb_io.h"

@@ -108,6 +108,10 @@ const std::map<std::string, std::function<Grids()>> kMakers = {
      [] {
          return Grids{density(), filled<FloatGrid>("density", 2)};
      }},
+    {"own-extinction",
+     [] {
+         return Grids{density(), filled<FloatGrid>("extinction", 3)};
+     }},
     {"level-set", levelSet},
     {"points", points},
     {"nan", [] { return withVoxel(std::numeric_limits<float>::quiet_NaN()); }},

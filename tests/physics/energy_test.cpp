@@ -71,7 +71,7 @@ TEST(Energy, IsConservedForEveryLightAndMethod) {
     for (const Light light : kLights)
         for (const bool coloured : {false, true}) {
             const Scene scene = litScene(light, coloured);
-            for (const MediumExchange exchange : {MediumExchange::consistent, MediumExchange::paper})
+            for (const Exchange exchange : {Exchange::medium, Exchange::paper})
                 for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
                     for (const Remaining remaining : {Remaining::shoot, Remaining::drop, Remaining::spread}) {
                         options.exchange = exchange;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "raysweep/render/render.h"
+#include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/vdb_io.h"
 #include "support/volumes.h"
@@ -106,6 +107,12 @@ TEST(FurnaceSlow, SmokeDisappears) {
     const Furnace furnace =
         furnaceWith(density, 10 / (density->voxelSize()[0] * std::max({size.x(), size.y(), size.z()})));
     expectInvisible(furnace, expectFurnace(furnace, 256));
+}
+
+// Opacities from 0 to 0.99, so optical depths up to 4.6 per voxel.
+TEST(Furnace, ClassifiedVoxelsDisappear) {
+    const Furnace furnace = furnaceWith(classify(*noiseBall(16, 1e-3, 10), rampFunction(1e-3, 5)).extinction);
+    expectInvisible(furnace, expectFurnace(furnace, 1024));
 }
 
 TEST(Furnace, EveryWavelengthDisappears) {

@@ -87,7 +87,7 @@ Fluxes lightSlab(const Slab& slab, const Scene& scene, IlluminateOptions options
 Fluxes diffuseLight(const Slab& slab, IlluminateOptions options) {
     Scene scene = sceneOf(slab);
     scene.sky.radiance = grey(1);
-    scene.sky.profile = [axis = slab.axis](const Vec3& direction) { return direction[axis] > 0 ? 1.0 : 0.0; };
+    scene.sky.profile = [axis = slab.axis](const Vec3& direction) { return grey(direction[axis] > 0 ? 1 : 0); };
     return lightSlab(slab, scene, options);
 }
 

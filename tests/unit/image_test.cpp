@@ -109,6 +109,9 @@ TEST_F(ImageFile, ErrorsSayWhatAndWhere) {
     EXPECT_THROW(readImage(folder_.string()), IoError);
     std::ofstream(path("broken.exr")) << "this is no picture";
     EXPECT_THROW(readImage(path("broken.exr")), IoError);
+    // The head of an OpenVDB file, which the image library cannot bear.
+    std::ofstream(path("volume.exr")) << std::string(" BDV\0\0\0\0\xe0\0\0\0", 12);
+    EXPECT_THROW(readImage(path("volume.exr")), IoError);
     EXPECT_THROW(writeImage(path("a.bmpx"), filled(2, 2, 0)), IoError);
     EXPECT_THROW(writeImage(path("no/such/folder/a.exr"), filled(2, 2, 0)), IoError);
     EXPECT_THROW(writeImage(path("a.exr"), Image()), InvalidArgument);

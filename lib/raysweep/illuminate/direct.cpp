@@ -10,8 +10,15 @@
 namespace raysweep {
 namespace {
 
-void allocateSource(SolverState& state) {
-    for (int c = 0; c < state.channels; ++c) state.source[c] = BrickField(state.volume.layout.brickCount());
+void allocateSources(SolverState& state, const Scene& scene) {
+    const bool emits = scene.medium.emission || !scene.quads.empty(),
+               shines = !scene.suns.empty() || !scene.points.empty();
+    if (!emits && !shines) return;
+    for (int c = 0; c < state.channels; ++c) {
+        state.source[c] = BrickField(state.volume.layout.brickCount());
+        state.seen[c] = BrickField(state.surfaces.bricks.size());
+        state.emitted[c] = BrickField(state.surfaces.bricks.size());
+    }
 }
 
 /// Books a deposit of direct light, `deposit` times `power[c]`: part of it is absorbed, the rest becomes source.
@@ -34,6 +41,46 @@ void addCollided(SolverState& state, const BrickField& deposit, const ChannelPow
     for (int c = 0; c < state.channels; ++c) state.perInjection.absorbed[c] += absorbed.value[c];
 }
 
+/// What light of unit strength leaves in surface voxels, and what it would leave if nothing but a voxel's own surface
+/// came before it. Their ratio is the visibility of the light, without the staircase that each of them has.
+struct Visibility {
+    const BrickField& deposit;
+    const BrickField& furnace;  ///< of the surfaces' bricks
+};
+
+/// Light as it passes a voxel.
+struct Crossing {
+    Vec3 direction;  ///< of travel, world, unit
+    double density;  ///< part of the light's power (of a sun: of its irradiance) per world area across it
+};
+
+/// Books what surfaces show of a light of `power` (a sun: irradiance) that passes a voxel as `at(voxel)`.
+template <class LightAt>
+void addSeen(SolverState& state, const Visibility& visibility, const Color& power, const LightAt& at) {
+    const BrickLayout& layout = state.volume.layout;
+    parallelFor(layout.brickCount(), [&](std::size_t b) {
+        const PackedNormal* const normals = state.surfaces.normals(b);
+        if (!normals) return;
+        const std::uint32_t slot = state.surfaces.slots[b];
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            const float full = visibility.furnace.brick(slot)[i];
+            if (normals[i] == 0 || !(full > 0)) continue;
+            const Crossing crossing = at(layout.origins[b] + Index3(i >> 6, (i >> 3) & 7, i & 7));
+            const double cosine = std::max(0.0, -unpackNormal(normals[i]).dot(crossing.direction));
+            const double visible = std::min(1.0, double(visibility.deposit.brick(b)[i]) / double(full));
+            const double irradiance = crossing.density * cosine * visible / state.radianceUnit();
+            for (int c = 0; c < state.channels; ++c)
+                state.seen[c].brick(slot)[i] +=
+                    float(double(state.albedoView(c).brick(b)[i]) * irradiance * double(power[c]) / kPi);
+        }
+    });
+}
+
+/// In the paper's model all that is known of light on a surface is what was deposited.
+bool showsDirectLight(const SolverState& state) {
+    return !state.surfaces.empty() && state.exchange == ExchangeModel::consistent;
+}
+
 /// A sun's light comes down in one `linear` sweep that shoots nothing.
 void addSun(SolverState& state, const Sun& sun) {
     BrickField deposit(state.volume.layout.brickCount());
@@ -44,6 +91,10 @@ void addSun(SolverState& state, const Sun& sun) {
     fields.tau = viewOf(state.tau);
     fields.unshot[0] = {state.zero.brick(0), 0};
     fields.fresh[0] = viewOf(deposit);
+    BrickField furnace;
+    if (!state.surfaces.empty()) fields.surfaces = &state.surfaces;
+    if (showsDirectLight(state)) fields.furnace = viewOf(furnace = BrickField(state.surfaces.bricks.size()));
+    step.furnaceRay = 1;
     const SweepTotals totals = sweep(state.volume, front, Interpolation::linear, fields, step);
 
     ChannelPower power;
@@ -53,62 +104,101 @@ void addSun(SolverState& state, const Sun& sun) {
         state.perInjection.escaped[c] += totals.escaped[0] * power.value[c];
     }
     addCollided(state, deposit, power);
+    if (showsDirectLight(state))
+        addSeen(state, {deposit, furnace}, sun.irradiance, [&](const Index3&) { return Crossing{front.direction, 1}; });
 }
 
 /// A point's light goes out in diverging fronts.
 void addPoint(SolverState& state, const PointLight& point, const openvdb::math::Transform& transform) {
-    const openvdb::Vec3d at = transform.worldToIndex({point.position.x, point.position.y, point.position.z});
-    BrickField deposit(state.volume.layout.brickCount());
-    const double escaped = depositFromPoint(state.volume, {at.x(), at.y(), at.z()}, viewOf(state.tau),
-                                            1 / state.escape.meanStepLength(), deposit);
+    const openvdb::Vec3d inIndex = transform.worldToIndex({point.position.x, point.position.y, point.position.z});
+    const Vec3 at(inIndex.x(), inIndex.y(), inIndex.z());
+    const PointDeposit deposit =
+        depositFromPoint({state.volume, at, viewOf(state.tau), 1 / state.escape.meanStepLength(),
+                          state.surfaces.empty() ? nullptr : &state.surfaces, state.solidTau()});
     ChannelPower power;
     for (int c = 0; c < state.channels; ++c) {
         power.value[c] = double(point.power[c]) / state.powerUnit;
         state.perInjection.injected[c] += power.value[c];
-        state.perInjection.escaped[c] += escaped * power.value[c];
+        state.perInjection.escaped[c] += deposit.escaped * power.value[c];
     }
-    addCollided(state, deposit, power);
+    addCollided(state, deposit.power, power);
+    if (!showsDirectLight(state)) return;
+    const double nearest = 0.5 * std::cbrt(state.volume.layout.voxelVolume);  // a voxel is no closer to what is in it
+    addSeen(state, {deposit.power, deposit.furnace}, point.power, [&](const Index3& voxel) {
+        const Vec3 way = (Vec3(voxel) - at) * state.volume.layout.worldFromIndex;
+        const double distance = std::max(way.length(), nearest);
+        return Crossing{way / distance, 1 / (4 * kPi * distance * distance)};
+    });
 }
 
 /// Power emitted in a voxel: of each unit the part p / (1 - albedo (1 - p)) leaves it, after any scatterings inside.
-double emittedThatLeaves(const SolverState& state, double tau, double albedo) {
-    if (state.exchange == MediumExchange::paper) return 1;
+double emittedThatLeaves(const SolverState& state, double tau, double albedo, bool surface) {
+    if (surface || state.exchange == ExchangeModel::paper) return 1;
     const double p = state.escape.fit().probability(tau);
     return p / (1 - albedo * (1 - p));
 }
 
-/// @return voxels that emit but have no extinction
-std::size_t addEmission(SolverState& state, const Medium& medium) {
-    const BrickLayout& layout = state.volume.layout;
-    std::size_t invisible = 0;
-    for (int c = 0; c < state.channels; ++c) {
-        const BrickField emitted =
-            gatherChannel(layout, *medium.emission, c, medium.emissionScale * layout.voxelVolume / state.powerUnit);
-        struct Books {
-            double emitted = 0, left = 0, invisible = 0;
-            Books& operator+=(const Books& o) {
-                emitted += o.emitted, left += o.left, invisible += o.invisible;
-                return *this;
-            }
-        };
-        const Books books = orderedSum<Books>(layout.brickCount(), [&](std::size_t b) {
-            Books sum;
-            const float* const tau = state.tau.brick(b);
-            const float* const albedo = state.albedoView(c).brick(b);
-            for (int i = 0; i < kBrickVoxels; ++i) {
-                const double power = double(emitted.brick(b)[i]);
-                if (power == 0) continue;
-                const auto leaves = float(power * emittedThatLeaves(state, double(tau[i]), double(albedo[i])));
-                state.source[c].brick(b)[i] += leaves;
-                sum += {power, double(leaves), tau[i] > 0 ? 0.0 : 1.0};
-            }
-            return sum;
-        });
-        state.perInjection.injected[c] += books.emitted;
-        state.perInjection.absorbed[c] += books.emitted - books.left;
-        invisible = std::max(invisible, std::size_t(books.invisible));
+/// Sums over voxels that emit.
+struct EmissionBooks {
+    double emitted = 0, left = 0, voxels = 0, invisible = 0;
+    EmissionBooks& operator+=(const EmissionBooks& o) {
+        emitted += o.emitted, left += o.left, voxels += o.voxels, invisible += o.invisible;
+        return *this;
     }
-    return invisible;
+};
+
+/// Makes `emitted`, power in each voxel, a source of channel `c`.
+EmissionBooks addEmitted(SolverState& state, int c, const BrickField& emitted) {
+    const EmissionBooks books = orderedSum<EmissionBooks>(state.volume.layout.brickCount(), [&](std::size_t b) {
+        EmissionBooks sum;
+        const float* const tau = state.tau.brick(b);
+        const float* const albedo = state.albedoView(c).brick(b);
+        const PackedNormal* const normals = state.surfaces.normals(b);
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            const double power = double(emitted.brick(b)[i]);
+            if (power == 0) continue;
+            const bool surface = normals && normals[i] != 0;
+            const auto leaves = float(power * emittedThatLeaves(state, double(tau[i]), double(albedo[i]), surface));
+            state.source[c].brick(b)[i] += leaves;
+            if (surface) state.emitted[c].brick(state.surfaces.slots[b])[i] += leaves;
+            sum += {power, double(leaves), 1.0, tau[i] > 0 ? 0.0 : 1.0};
+        }
+        return sum;
+    });
+    state.perInjection.injected[c] += books.emitted;
+    state.perInjection.absorbed[c] += books.emitted - books.left;
+    return books;
+}
+
+Emitters addEmission(SolverState& state, const Medium& medium) {
+    const BrickLayout& layout = state.volume.layout;
+    Emitters emitters;
+    for (int c = 0; c < state.channels; ++c) {
+        const EmissionBooks books = addEmitted(
+            state, c,
+            gatherChannel(layout, *medium.emission, c, medium.emissionScale * layout.voxelVolume / state.powerUnit));
+        emitters.voxels = std::max(emitters.voxels, std::size_t(books.voxels));
+        emitters.invisible = std::max(emitters.invisible, std::size_t(books.invisible));
+    }
+    return emitters;
+}
+
+/// @return voxels that emit
+std::size_t addQuad(SolverState& state, const QuadLight& quad, const openvdb::FloatGrid& areas) {
+    std::size_t voxels = 0;
+    for (int c = 0; c < state.channels; ++c) {
+        const double perArea = kPi * double(quad.radiance[c]) / state.powerUnit;
+        const EmissionBooks books = addEmitted(state, c, gatherField(state.volume.layout, areas, perArea));
+        voxels = std::max(voxels, std::size_t(books.voxels));
+    }
+    return voxels;
+}
+
+void takeSourcesAsEmitted(SolverState& state) {
+    for (int c = 0; c < state.channels && state.hasSource(); ++c)
+        for (std::size_t b = 0; b < state.volume.layout.brickCount(); ++b)
+            if (state.surfaces.normals(b))
+                std::copy_n(state.source[c].brick(b), kBrickVoxels, state.emitted[c].brick(state.surfaces.slots[b]));
 }
 
 double largestValue(const openvdb::GridBase& grid) {
@@ -127,6 +217,7 @@ double choosePowerUnit(const Scene& scene, const BrickLayout& layout) {
     const double area = std::pow(layout.voxelVolume, 2.0 / 3.0);
     double unit = 4 * kPi * area * double(maxComponent(scene.sky.radiance));
     for (const Sun& sun : scene.suns) unit = std::max(unit, area * double(maxComponent(sun.irradiance)));
+    for (const QuadLight& quad : scene.quads) unit = std::max(unit, kPi * area * double(maxComponent(quad.radiance)));
     for (const PointLight& point : scene.points) unit = std::max(unit, double(maxComponent(point.power)));
     if (scene.medium.emission)
         unit = std::max(unit, largestValue(*scene.medium.emission) * scene.medium.emissionScale * layout.voxelVolume);
@@ -135,12 +226,19 @@ double choosePowerUnit(const Scene& scene, const BrickLayout& layout) {
 
 }  // namespace
 
-std::size_t addDirectLight(SolverState& state, const Scene& scene) {
+Emitters addDirectLight(SolverState& state, const Scene& scene) {
     state.powerUnit = choosePowerUnit(scene, state.volume.layout);
-    if (!scene.suns.empty() || !scene.points.empty() || scene.medium.emission) allocateSource(state);
+    allocateSources(state, scene);
+    const openvdb::math::Transform& transform = scene.medium.density->transform();
     for (const Sun& sun : scene.suns) addSun(state, sun);
-    for (const PointLight& point : scene.points) addPoint(state, point, scene.medium.density->transform());
-    return scene.medium.emission ? addEmission(state, scene.medium) : 0;
+    for (const PointLight& point : scene.points) addPoint(state, point, transform);
+    Emitters emitters;
+    if (scene.medium.emission) emitters = addEmission(state, scene.medium);
+    for (std::size_t i = 0; i < scene.quads.size(); ++i)
+        emitters.voxels += addQuad(state, scene.quads[i], *state.quadAreas[i]);
+    // What the paper's model shows of any light is what it deposits.
+    if (!state.surfaces.empty() && state.exchange == ExchangeModel::paper) takeSourcesAsEmitted(state);
+    return emitters;
 }
 
 }  // namespace raysweep

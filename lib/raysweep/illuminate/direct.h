@@ -1,12 +1,18 @@
-/// Light that has not been scattered yet: suns, point lights and emission, turned into power to be shot.
+/// Light that has not been scattered yet: suns, point lights, quads and emission, turned into power to be shot.
 #pragma once
 
 #include "raysweep/illuminate/state.h"
 
 namespace raysweep {
 
-/// Fills `state.source`, `state.perInjection` and `state.powerUnit`: what one injection adds.
-/// @return voxels that emit but have no extinction
-std::size_t addDirectLight(SolverState& state, const Scene& scene);
+/// Voxels that emit.
+struct Emitters {
+    std::size_t voxels = 0;
+    std::size_t invisible = 0;  ///< those of the emission grid that have no extinction
+};
+
+/// Fills `state.source`, `perInjection` and `powerUnit`: what one injection adds; and `seen` and `emitted`: what of it
+/// shows on surfaces.
+Emitters addDirectLight(SolverState& state, const Scene& scene);
 
 }  // namespace raysweep

@@ -1,6 +1,7 @@
 #include "raysweep/illuminate/estimate.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/padded_brick.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +12,71 @@ namespace {
 /// F / (4 pi): mean over directions of the power that a voxel takes from rays of radiance 1, per steradian. World area.
 double meanAbsorbingArea(const SolverState& state, double tau, double escapeProbability) {
     const double volume = state.volume.layout.voxelVolume, meanLength = state.escape.meanStepLength();
-    if (state.exchange == MediumExchange::paper) {
+    if (state.exchange == ExchangeModel::paper) {
         // A fixed opacity times the mean cross-section of a ray.
         const double opacity = -std::expm1(-tau * std::cbrt(volume) / meanLength);
         return opacity * volume / meanLength * state.escape.meanInverseLength();
     }
     return tau / meanLength * volume * escapeProbability;
 }
+
+/// Source radiance of the voxels of a brick, in `radianceUnit`.
+class BrickRadiance {
+  public:
+    /// @param exact p from the table, not from the quicker fit
+    BrickRadiance(const SolverState& state, int channel, std::size_t b, bool exact)
+        : state_(state),
+          exact_(exact),
+          normals_(state.surfaces.normals(b)),
+          tau_(state.tau.brick(b)),
+          source_(state.hasSource() ? state.source[channel].brick(b) : state.zero.brick(0)) {
+        effectiveAlbedos(state, channel, b, g_);
+        if (!state.furnace.empty()) solidTau_ = state.solidTau();
+        if (!normals_) return;
+        const std::uint32_t slot = state.surfaces.slots[b];
+        if (!state.furnace.empty()) furnace_ = state.furnace.brick(slot);
+        if (!state.hasSource()) return;
+        seen_ = state.seen[channel].brick(slot);
+        emitted_ = state.emitted[channel].brick(slot);
+    }
+
+    bool isKnown(int i) const {
+        if (!(tau_[i] > 0)) return false;
+        return isSurface(i) ? !furnace_ || furnace_[i] > 0 : double(tau_[i]) < solidTau_;
+    }
+
+    /// The part that comes straight from sources.
+    double directly(int i) const {
+        if (!isSurface(i)) return double(source_[i]) * perPower(i);
+        return seen_ ? double(seen_[i]) + double(emitted_[i]) * perPower(i) : 0;
+    }
+
+    /// The part that comes from a deposit (per injection, in powerUnit).
+    double scattered(int i, double deposit) const { return double(g_[i]) * deposit * perPower(i); }
+
+  private:
+    bool isSurface(int i) const { return normals_ && normals_[i] != 0; }
+
+    /// 1 / F, in units of 1 / voxelFace.
+    double perPower(int i) const {
+        if (isSurface(i))
+            return furnace_ && furnace_[i] > 0 ? state_.furnaceSweeps / (4 * kPi * double(furnace_[i])) : 0;
+        const double tau = double(tau_[i]);
+        const double p = exact_ ? state_.escape.probability(tau) : state_.escape.fit().probability(tau);
+        return state_.voxelFace() / (4 * kPi * meanAbsorbingArea(state_, tau, p));
+    }
+
+    const SolverState& state_;
+    const bool exact_;
+    const PackedNormal* const normals_;
+    const float* const tau_;
+    const float* const source_;
+    const float* seen_ = nullptr;
+    const float* emitted_ = nullptr;
+    const float* furnace_ = nullptr;
+    double solidTau_ = INFINITY;
+    alignas(64) float g_[kBrickVoxels];
+};
 
 /// Sums over a brick for the relative RMS difference.
 struct Squares {
@@ -39,23 +98,17 @@ void foldVoxel(float& total, float& recent) {
 }
 
 Squares foldBrick(SolverState& state, std::size_t b, int before) {
-    const EscapeFit& fit = state.escape.fit();
-    alignas(64) float g[kBrickVoxels];
-    const float* const tau = state.tau.brick(b);
     const double now = 1.0 / state.injections, then = before > 0 ? 1.0 / before : 0;
     Squares sum;
     for (int c = 0; c < state.channels; ++c) {
-        effectiveAlbedos(state, c, b, g);
-        const float* const source = state.hasSource() ? state.source[c].brick(b) : state.zero.brick(0);
+        const BrickRadiance radiance(state, c, b, /*exact=*/false);
         float* const total = state.total[c].brick(b);
         float* const recent = state.recent[c].brick(b);
         for (int i = 0; i < kBrickVoxels; ++i) {
-            if (tau[i] > 0) {
-                const double p = fit.probability(double(tau[i]));
-                const double perArea = 1 / meanAbsorbingArea(state, double(tau[i]), p);
+            if (radiance.isKnown(i)) {
                 const double deposit = double(total[i]) + double(recent[i]);
-                const double value = (double(source[i]) + double(g[i]) * deposit * now) * perArea;
-                const double change = double(g[i]) * (deposit * now - double(total[i]) * then) * perArea;
+                const double value = radiance.directly(i) + radiance.scattered(i, deposit * now);
+                const double change = radiance.scattered(i, deposit * now - double(total[i]) * then);
                 sum.value += value * value;
                 sum.difference += change * change;
             }
@@ -63,6 +116,49 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
         }
     }
     return sum;
+}
+
+/// Whether two surface voxels belong to the same piece of surface, by their normals.
+bool agree(PackedNormal a, PackedNormal b) {
+    return b != 0 && unpackNormal(a).dot(unpackNormal(b)) > 0.5;
+}
+
+/// Light from one side falls on the outer voxels of a staircase and not on those behind them. So that it does not show,
+/// scattered light of surface voxels is averaged over their neighbours on the same surface, weighted by F: what all of
+/// them took over what all of them could have taken. Light seen directly has no staircase, and keeps its shadows sharp.
+void evenOutSurfaces(const SolverState& state, BrickField& scattered) {
+    if (state.furnace.empty()) return;
+    const BrickLayout& layout = state.volume.layout;
+    const BrickMap map(layout);
+    const auto slotOf = [&](std::size_t b) { return state.surfaces.slots[b]; };
+    BrickField even(state.surfaces.bricks.size());
+    parallelFor(layout.brickCount(), [&](std::size_t b) {
+        const PackedNormal* const own = state.surfaces.normals(b);
+        if (!own) return;
+        const Periodic& periodic = state.volume.periodic;
+        const PaddedBrick<float> values(layout, map, periodic, b, [&](std::size_t n) { return scattered.brick(n); });
+        const PaddedBrick<PackedNormal> normals(layout, map, periodic, b,
+                                                [&](std::size_t n) { return state.surfaces.normals(n); });
+        const PaddedBrick<float> weights(layout, map, periodic, b, [&](std::size_t n) {
+            return state.surfaces.normals(n) ? state.furnace.brick(slotOf(n)) : nullptr;
+        });
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            if (own[i] == 0) continue;
+            double sum = 0, weight = 0;
+            for (int n = 0; n < 27; ++n) {
+                const int x = (i >> 6) + n / 9 - 1, y = ((i >> 3) & 7) + n / 3 % 3 - 1, z = (i & 7) + n % 3 - 1;
+                if (!agree(own[i], normals.at(x, y, z))) continue;
+                sum += double(weights.at(x, y, z)) * double(values.at(x, y, z));
+                weight += double(weights.at(x, y, z));
+            }
+            even.brick(slotOf(b))[i] = weight > 0 ? float(sum / weight) : 0;
+        }
+    });
+    for (std::size_t b = 0; b < layout.brickCount(); ++b) {
+        const PackedNormal* const own = state.surfaces.normals(b);
+        for (int i = 0; own && i < kBrickVoxels; ++i)
+            if (own[i] != 0) scattered.brick(b)[i] = even.brick(slotOf(b))[i];
+    }
 }
 
 }  // namespace
@@ -122,27 +218,26 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
     const std::size_t bricks = state.volume.layout.brickCount();
     const double perInjection = 1.0 / std::max(1, state.injections);
     const bool swept = !state.total[channel].empty();
-    parallelFor(
-        bricks,
-        [&](std::size_t b) {
-            alignas(64) float g[kBrickVoxels];
-            const float* const tau = state.tau.brick(b);
-            effectiveAlbedos(state, channel, b, g);
-            for (int i = 0; i < kBrickVoxels; ++i) {
-                if (!(tau[i] > 0)) {
-                    radiosity.brick(b)[i] = 0;
-                    continue;
-                }
-                double deposit =
-                    swept ? double(state.total[channel].brick(b)[i]) + double(state.recent[channel].brick(b)[i]) : 0;
-                if (!extra.empty()) deposit += double(extra.brick(b)[i]);
-                const double source = state.hasSource() ? double(state.source[channel].brick(b)[i]) : 0;
-                const double area = meanAbsorbingArea(state, double(tau[i]), state.escape.probability(double(tau[i])));
-                radiosity.brick(b)[i] =
-                    float((source + double(g[i]) * deposit * perInjection) * state.powerUnit / (4 * kPi * area));
-            }
-        },
-        16);
+    const auto forEachBrick = [&](const auto& visit) {
+        parallelFor(
+            bricks,
+            [&](std::size_t b) {
+                const BrickRadiance value(state, channel, b, /*exact=*/true);
+                for (int i = 0; i < kBrickVoxels; ++i) visit(value, b, i);
+            },
+            16);
+    };
+    forEachBrick([&](const BrickRadiance& value, std::size_t b, int i) {
+        double deposit =
+            swept ? double(state.total[channel].brick(b)[i]) + double(state.recent[channel].brick(b)[i]) : 0;
+        if (!extra.empty()) deposit += double(extra.brick(b)[i]);
+        radiosity.brick(b)[i] = value.isKnown(i) ? float(value.scattered(i, deposit * perInjection)) : 0.0f;
+    });
+    evenOutSurfaces(state, radiosity);
+    forEachBrick([&](const BrickRadiance& value, std::size_t b, int i) {
+        float& S = radiosity.brick(b)[i];
+        S = value.isKnown(i) ? float((double(S) + value.directly(i)) * state.radianceUnit()) : kUnknown;
+    });
 }
 
 }  // namespace raysweep

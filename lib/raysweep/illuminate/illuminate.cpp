@@ -46,7 +46,10 @@ class Solver {
             state_.swept.injected[c] += totals.entered[c];
             state_.swept.escaped[c] += totals.escaped[c];
         }
-        if (inject == Inject::everything) ++state_.injections;
+        if (inject == Inject::everything) {
+            ++state_.injections;
+            ++state_.furnaceSweeps;
+        }
         if (options_.afterSweep) options_.afterSweep(direction, inWatts(totals));
     }
 
@@ -60,10 +63,10 @@ class Solver {
   private:
     /// A single direction stands for the whole sphere: rays carry the radiance over 4 pi steradians.
     void setSky(ExchangeStep& step, const RayFront& front, const Vec3& direction) const {
-        const double factor = scene_.sky.profile ? std::max(0.0, scene_.sky.profile(direction)) : 1;
+        const Color factor = scene_.sky.profile ? scene_.sky.profile(direction) : grey(1);
         for (int c = 0; c < state_.channels; ++c)
-            step.entering[c] =
-                float(double(scene_.sky.radiance[c]) * factor * 4 * kPi * front.crossSection / state_.powerUnit);
+            step.entering[c] = float(double(scene_.sky.radiance[c]) * std::max(0.0, double(factor[c])) * 4 * kPi *
+                                     front.crossSection / state_.powerUnit);
     }
 
     SweepTotals inWatts(SweepTotals totals) const {
@@ -83,7 +86,7 @@ class Solver {
 
 openvdb::GridBase::Ptr radiosityGrid(const SolverState& state, const Scene& scene,
                                      const std::vector<BrickField>& radiosity) {
-    auto grid = extendedGridFromFields(state.volume.layout, *scene.medium.density, state.tau, radiosity);
+    auto grid = extendedGridFromFields(state.volume.layout, *scene.medium.density, radiosity);
     grid->setName("radiosity");
     return grid;
 }
@@ -197,6 +200,13 @@ int shootRemaining(Solver& solver, SolverState& state, const IlluminateOptions& 
     return sweeps;
 }
 
+/// A voxel's light meets about one voxel of each shell around it in a sweep.
+double sweepsToReach(const BrickLayout& layout, std::size_t emitters) {
+    if (emitters == 0) return 0;
+    const double radius = 0.5 * Vec3(layout.high - layout.low).length();
+    return 4 * kPi * radius * radius / double(emitters);
+}
+
 void runSweeps(Illumination& result, SolverState& state, const Scene& scene, const IlluminateOptions& options,
                const ProgressCallback& progress) {
     Timer timer;
@@ -228,10 +238,13 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
     SolverState state = prepareState(scene, options, result.plan);
     result.activeVoxels = state.volume.layout.activeVoxels;
     result.thickShare = thickShare(state);
+    if (result.plan.surfaces) result.surfaceVoxels = countSurfaceVoxels(state.surfaces);
     result.seconds.prepare = timer.seconds();
 
     timer = Timer();
-    result.invisibleEmitters = addDirectLight(state, scene);
+    const Emitters emitters = addDirectLight(state, scene);
+    result.invisibleEmitters = emitters.invisible;
+    result.sweepsToReach = sweepsToReach(state.volume.layout, emitters.voxels);
     result.seconds.direct = timer.seconds();
     if (!report(progress, "direct light", 1))
         result.termination = Termination::interrupted;

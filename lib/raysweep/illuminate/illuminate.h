@@ -19,6 +19,14 @@ enum class Remaining {
     spread  ///< deposit it in proportion to density times gradient magnitude, without knowing where it would have gone
 };
 
+/// What rays and voxels exchange (docs/illumination.md).
+enum class Exchange {
+    automatic,  ///< `surface` if the medium is solid, else `medium`
+    medium,     ///< every voxel scatters to all sides
+    surface,    ///< voxels with a large gradient reflect as diffuse surfaces, the others are a medium
+    paper       ///< Algorithm 1 as printed, with surfaces if the medium is solid
+};
+
 struct IlluminateOptions {
     /// Part of a voxel's unshot power that leaves in one sweep, (0,1]. Paper: zeta = 0.1; 0.5 needs a tenth of the
     /// sweeps.
@@ -32,7 +40,9 @@ struct IlluminateOptions {
     double unshotShare = 1e-4;
     Remaining remaining = Remaining::shoot;
     Interpolation interpolation = Interpolation::nearest;
-    MediumExchange exchange = MediumExchange::consistent;
+    Exchange exchange = Exchange::automatic;
+    /// A voxel has a surface if opacity changes by more than this per voxel there, (0,1).
+    double surfaceThreshold = 0.1;
     DirectionSet directions = DirectionSet::fibonacci;
     int batch = 32;          ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
                              ///< large as all before it
@@ -55,6 +65,7 @@ struct Plan {
     bool directPass = false;  ///< suns or points
     bool sweeps = false;      ///< anything can scatter, and there is light to scatter
     bool unshotGrid = false;
+    bool surfaces = false;             ///< normals are found, and the local furnace is measured
     std::vector<std::string> reasons;  ///< one line each
 };
 
@@ -99,6 +110,10 @@ struct Illumination {
     double thickShare = 0;  ///< part of the active voxels whose optical depth is above 2: too coarse to be accurate
     std::size_t invisibleEmitters =
         0;  ///< voxels that emit but have no extinction: they light others, unseen themselves
+    std::size_t surfaceVoxels = 0;
+    /// About how many sweeps it takes until the voxels that emit (quads, emission) have once lit every other one; 0
+    /// without emitters. Where it is large, a point light says the same in one pass.
+    double sweepsToReach = 0;
     IlluminationTimings seconds;
 };
 

@@ -45,10 +45,10 @@ ValueType uniform(float x) {
 
 template <class GridType>
 typename GridType::Ptr makeGrid(const BrickLayout& layout, const openvdb::FloatGrid& topology,
-                                const std::vector<BrickField>& fields, const BrickField* tau) {
+                                const std::vector<BrickField>& fields, bool extended) {
     using ValueType = typename GridType::ValueType;
     using Leaf = typename GridType::TreeType::LeafNodeType;
-    const ValueType inactive = uniform<ValueType>(tau ? -INFINITY : 0.0f);
+    const ValueType inactive = uniform<ValueType>(extended ? -INFINITY : 0.0f);
     auto grid = GridType::create(inactive);
     grid->setTransform(topology.transform().copy());
     std::vector<Leaf*> leaves(layout.brickCount(), nullptr);
@@ -62,7 +62,7 @@ typename GridType::Ptr makeGrid(const BrickLayout& layout, const openvdb::FloatG
             leaves[b]->setValueMask(mask);
             ValueType* const values = leaves[b]->buffer().data();
             for (auto on = mask.beginOn(); on; ++on) {
-                if (tau && tau->brick(b)[on.pos()] == 0) continue;
+                if (extended && fields[0].brick(b)[on.pos()] < 0) continue;
                 for (int c = 0; c < channelCount<ValueType>(); ++c)
                     setChannel(values[on.pos()], c, fields[std::size_t(c)].brick(b)[on.pos()]);
             }
@@ -118,8 +118,8 @@ void extend(GridType& grid) {
 
 template <class GridType>
 typename GridType::Ptr makeExtended(const BrickLayout& layout, const openvdb::FloatGrid& topology,
-                                    const BrickField& tau, const std::vector<BrickField>& fields) {
-    auto grid = makeGrid<GridType>(layout, topology, fields, &tau);
+                                    const std::vector<BrickField>& fields) {
+    auto grid = makeGrid<GridType>(layout, topology, fields, true);
     extend(*grid);
     return grid;
 }
@@ -128,14 +128,14 @@ typename GridType::Ptr makeExtended(const BrickLayout& layout, const openvdb::Fl
 
 openvdb::GridBase::Ptr gridFromFields(const BrickLayout& layout, const openvdb::FloatGrid& topology,
                                       const std::vector<BrickField>& fields) {
-    if (fields.size() == 1) return makeGrid<openvdb::FloatGrid>(layout, topology, fields, nullptr);
-    return makeGrid<openvdb::Vec3SGrid>(layout, topology, fields, nullptr);
+    if (fields.size() == 1) return makeGrid<openvdb::FloatGrid>(layout, topology, fields, false);
+    return makeGrid<openvdb::Vec3SGrid>(layout, topology, fields, false);
 }
 
 openvdb::GridBase::Ptr extendedGridFromFields(const BrickLayout& layout, const openvdb::FloatGrid& topology,
-                                              const BrickField& tau, const std::vector<BrickField>& fields) {
-    if (fields.size() == 1) return makeExtended<openvdb::FloatGrid>(layout, topology, tau, fields);
-    return makeExtended<openvdb::Vec3SGrid>(layout, topology, tau, fields);
+                                              const std::vector<BrickField>& fields) {
+    if (fields.size() == 1) return makeExtended<openvdb::FloatGrid>(layout, topology, fields);
+    return makeExtended<openvdb::Vec3SGrid>(layout, topology, fields);
 }
 
 }  // namespace raysweep

@@ -12,10 +12,10 @@ namespace raysweep {
 openvdb::GridBase::Ptr gridFromFields(const BrickLayout& layout, const openvdb::FloatGrid& topology,
                                       const std::vector<BrickField>& fields);
 
-/// The same for radiosity, made ready for interpolation: voxels without extinction (`tau` 0) and all voxels within one
+/// The same for radiosity, made ready for interpolation: voxels of unknown (negative) value and all voxels within one
 /// voxel of an active one take the mean of those of their 26 neighbours that have a value. Without this, a renderer
 /// that interpolates would darken every border towards the background (docs/illumination.md).
 openvdb::GridBase::Ptr extendedGridFromFields(const BrickLayout& layout, const openvdb::FloatGrid& topology,
-                                              const BrickField& tau, const std::vector<BrickField>& fields);
+                                              const std::vector<BrickField>& fields);
 
 }  // namespace raysweep

@@ -17,9 +17,11 @@ bool isBlack(const Color& c) {
 
 bool isColoured(const Scene& scene) {
     bool coloured = isColoured(scene.medium.albedoGrid) || isColoured(scene.medium.emission);
-    coloured = coloured || (!scene.medium.albedoGrid && !isGrey(scene.medium.albedo)) || !isGrey(scene.sky.radiance);
+    coloured = coloured || (!scene.medium.albedoGrid && !isGrey(scene.medium.albedo)) || !isGrey(scene.sky.radiance) ||
+               scene.sky.colouredProfile;
     for (const Sun& sun : scene.suns) coloured = coloured || !isGrey(sun.irradiance);
     for (const PointLight& point : scene.points) coloured = coloured || !isGrey(point.power);
+    for (const QuadLight& quad : scene.quads) coloured = coloured || !isGrey(quad.radiance);
     return coloured;
 }
 
@@ -35,6 +37,23 @@ void requireLight(const char* what, const Color& c) {
         if (!std::isfinite(c[i]) || c[i] < 0)
             throw InvalidArgument(std::string(what) + " is " + std::to_string(c[i]) +
                                   "; it must be finite and not negative");
+}
+
+std::string exchangeReason(Exchange exchange, bool solid) {
+    switch (exchange) {
+        case Exchange::automatic:
+            return solid
+                       ? "exchange: surfaces where opacity changes quickly, medium elsewhere, since the volume is solid"
+                       : "exchange: medium in every voxel, no gradients, since the volume is a fog";
+        case Exchange::medium:
+            return "exchange: medium in every voxel, no gradients, as asked";
+        case Exchange::surface:
+            return "exchange: surfaces where opacity changes quickly, medium elsewhere, as asked";
+        case Exchange::paper:
+            return solid ? "exchange: the paper's Algorithm 1 as printed, with surfaces"
+                         : "exchange: the paper's Algorithm 1 as printed";
+    }
+    return "";
 }
 
 bool isFinite(const Vec3& v) {
@@ -57,6 +76,13 @@ void Scene::validate() const {
         if (!isFinite(point.position)) throw InvalidArgument("a point light's position is not finite");
         requireLight("a point light's power", point.power);
     }
+    for (const QuadLight& quad : quads) {
+        if (!isFinite(quad.corner) || !isFinite(quad.u) || !isFinite(quad.v))
+            throw InvalidArgument("a quad light's corner or edges are not finite");
+        if (!(quad.u.cross(quad.v).length() > 1e-9 * quad.u.length() * quad.v.length()))
+            throw InvalidArgument("a quad light has no area: its edges are parallel, or one has no length");
+        requireLight("a quad light's radiance", quad.radiance);
+    }
     requireLight("the sky's radiance", sky.radiance);
 }
 
@@ -66,6 +92,7 @@ void IlluminateOptions::validate() const {
     requireBetween("sweeps", sweeps, 0, 1e9);
     requireBetween("unshot share", unshotShare, 0, 1, true);
     requireBetween("batch", batch, 1, 1e6);
+    requireBetween("surface threshold", surfaceThreshold, 0, 1);
     requireBetween("snapshot interval", snapshotEvery, 0, 1e9);
 }
 
@@ -79,7 +106,7 @@ Plan planIllumination(const Scene& scene, const IlluminateOptions& options) {
     if (plan.directPass)
         plan.reasons.push_back("direct pass: " + std::to_string(scene.suns.size()) + " sun(s), " +
                                std::to_string(scene.points.size()) + " point light(s)");
-    const bool sky = !isBlack(scene.sky.radiance), emits = bool(medium.emission);
+    const bool sky = !isBlack(scene.sky.radiance), emits = medium.emission || !scene.quads.empty();
     const bool scatters = medium.albedoGrid || !isBlack(medium.albedo);
     plan.sweeps = scatters && options.sweeps > 0 && (plan.directPass || sky || emits);
     plan.unshotGrid = scatters && (plan.directPass || sky || emits);
@@ -89,12 +116,15 @@ Plan planIllumination(const Scene& scene, const IlluminateOptions& options) {
         plan.reasons.push_back("no sweeps: there is no light");
     else if (!plan.sweeps)
         plan.reasons.push_back("no sweeps: direct light only");
-    if (emits) plan.reasons.push_back("emission: power is added to what is unshot, no direct pass");
+    if (medium.emission) plan.reasons.push_back("emission: power is added to what is unshot, no direct pass");
+    if (!scene.quads.empty())
+        plan.reasons.push_back(std::to_string(scene.quads.size()) +
+                               " quad light(s): power is added to what is unshot, no direct pass");
     if (sky && plan.sweeps) plan.reasons.push_back("sky: enters with the rays of each sweep, no direct pass");
     plan.reasons.push_back(medium.albedoGrid ? "albedo from grid '" + medium.albedoGrid->getName() + "'"
                                              : "albedo is uniform and not stored");
-    plan.reasons.push_back(options.exchange == MediumExchange::paper ? "exchange: the paper's Algorithm 1 as printed"
-                                                                     : "exchange: medium in every voxel");
+    plan.surfaces = options.exchange == Exchange::surface || (options.exchange != Exchange::medium && medium.solid);
+    plan.reasons.push_back(exchangeReason(options.exchange, medium.solid));
     return plan;
 }
 

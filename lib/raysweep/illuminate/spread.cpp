@@ -1,30 +1,11 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/estimate.h"
-#include "raysweep/sweep/brick_map.h"
+#include "raysweep/volume/gradient.h"
 
-#include <cmath>
 #include <utility>
 
 namespace raysweep {
 namespace {
-
-double tauAt(const SolverState& state, const BrickMap& map, const Index3& voxel) {
-    const std::uint32_t brick = map.find(voxel);
-    return brick == kNoBrick ? 0 : double(state.tau.brick(brick)[offsetInBrick(voxel)]);
-}
-
-/// Magnitude of the world-space gradient by central differences.
-double gradientMagnitude(const SolverState& state, const BrickMap& map, const Matrix3& indexFromWorld,
-                         const Index3& voxel) {
-    Vec3 inIndex;
-    for (int axis = 0; axis < 3; ++axis) {
-        Index3 step(0);
-        step[axis] = 1;
-        inIndex[axis] = 0.5 * (tauAt(state, map, voxel + step) - tauAt(state, map, voxel - step));
-    }
-    // d/dworld = indexFromWorld * d/dindex, in the row-vector convention.
-    return (inIndex * indexFromWorld.transposed()).length();
-}
 
 /// Scales the field so that it sums to `total`. @return false if it is 0 everywhere
 bool scaleTo(BrickField& field, double total) {
@@ -45,12 +26,14 @@ BrickField spreadUnshot(const SolverState& state, int channel) {
     BrickField weights(layout.brickCount());
     const auto fill = [&](bool withGradient) {
         parallelFor(layout.brickCount(), [&](std::size_t b) {
-            const float* const tau = state.tau.brick(b);
+            const PaddedBrick<float> tau(layout, map, state.volume.periodic, b,
+                                         [&](std::size_t n) { return state.tau.brick(n); });
             for (int i = 0; i < kBrickVoxels; ++i) {
-                if (tau[i] == 0) continue;
-                const Index3 voxel = layout.origins[b] + Index3(i >> 6, (i >> 3) & 7, i & 7);
-                const double gradient = withGradient ? gradientMagnitude(state, map, indexFromWorld, voxel) : 1;
-                weights.brick(b)[i] = float(double(tau[i]) * gradient);
+                const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
+                if (tau.at(x, y, z) == 0) continue;
+                const double gradient =
+                    withGradient ? worldGradient(gradientAt(tau, x, y, z), indexFromWorld).length() : 1;
+                weights.brick(b)[i] = float(double(tau.at(x, y, z)) * gradient);
             }
         });
     };

@@ -2,7 +2,9 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/quad.h"
 #include "raysweep/volume/brick_grids.h"
+#include "raysweep/volume/brick_map.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
@@ -30,12 +32,24 @@ void checkEmission(const openvdb::GridBase& grid) {
                               "; give a float or vec3s grid");
 }
 
+/// Makes the voxels that a quad passes a surface that looks where the quad does.
+void addQuadNormals(SolverState& state, const QuadLight& quad, const openvdb::FloatGrid& areas) {
+    const PackedNormal normal = packNormal(quad.u.cross(quad.v).normalized());
+    const BrickMap map(state.volume.layout);
+    for (auto area = areas.cbeginValueOn(); area; ++area) {
+        const Index3 voxel(area.getCoord().x(), area.getCoord().y(), area.getCoord().z());
+        addSurfaceBrick(state.surfaces, state.volume.layout.brickCount(), map.find(voxel))[offsetInBrick(voxel)] =
+            normal;
+    }
+}
+
 /// Bytes per voxel of a brick at the peak: tau and the fields of each wavelength.
 std::size_t bytesPerVoxel(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
     const std::size_t perChannel = 4 + (scene.medium.albedoGrid ? 1 : 0) +
                                    (options.interpolation == Interpolation::linear ? 1 : 0) +
                                    (options.snapshotEvery > 0 ? 1 : 0);
-    return 4 * (1 + std::size_t(plan.channels) * perChannel);
+    const std::size_t ofSurfaces = plan.surfaces ? 2 + 2 * std::size_t(plan.channels) : 0;
+    return 4 * (1 + std::size_t(plan.channels) * perChannel + ofSurfaces);
 }
 
 }  // namespace
@@ -46,9 +60,14 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     if (medium.emission) checkEmission(*medium.emission);
     std::vector<openvdb::GridBase::ConstPtr> grids{medium.density};
     if (medium.emission) grids.push_back(medium.emission);
+    std::vector<openvdb::FloatGrid::Ptr> quadAreas;
+    for (const QuadLight& quad : scene.quads) {
+        quadAreas.push_back(rasterizeQuad(quad, medium.density->transform()));
+        grids.push_back(quadAreas.back());
+    }
     SolverState state(layoutBricks(grids, bytesPerVoxel(scene, options, plan)));
     state.volume.periodic = options.periodic;
-    state.exchange = options.exchange;
+    state.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
     state.channels = plan.channels;
 
     const BrickLayout& bricks = state.volume.layout;
@@ -61,6 +80,12 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
         },
         16);
 
+    if (plan.surfaces)
+        state.surfaces =
+            findSurfaces(bricks, state.tau, options.periodic,
+                         std::cbrt(bricks.voxelVolume) / state.escape.meanStepLength(), options.surfaceThreshold);
+    state.quadAreas = std::move(quadAreas);
+    for (std::size_t i = 0; i < scene.quads.size(); ++i) addQuadNormals(state, scene.quads[i], *state.quadAreas[i]);
     state.zero = uniformBrick(0);
     state.uniformAlbedo = !medium.albedoGrid;
     if (medium.albedoGrid) {
@@ -84,25 +109,29 @@ void allocateSweepFields(SolverState& state, const IlluminateOptions& options) {
         state.total[c] = BrickField(bricks);
         if (options.interpolation == Interpolation::linear) state.fresh[c] = BrickField(bricks);
     }
+    if (!state.surfaces.empty()) state.furnace = BrickField(state.surfaces.bricks.size());
 }
 
-ExchangeFields exchangeFields(SolverState& state, bool withSource) {
+ExchangeFields exchangeFields(SolverState& state, bool injecting) {
     ExchangeFields fields;
     fields.channels = state.channels;
     fields.tau = viewOf(state.tau);
     for (int c = 0; c < state.channels; ++c) {
         fields.albedo[c] = state.albedoView(c);
-        const bool source = withSource && state.hasSource();
+        const bool source = injecting && state.hasSource();
         fields.source[c] = source ? BrickView<const float>(viewOf(state.source[c])) : sharedView(state.zero);
         fields.unshot[c] = viewOf(state.unshot[c]);
         fields.deposit[c] = viewOf(state.recent[c]);
         fields.fresh[c] = viewOf(state.fresh[c]);
     }
+    if (!state.surfaces.empty()) fields.surfaces = &state.surfaces;
+    if (injecting && !state.furnace.empty()) fields.furnace = viewOf(state.furnace);
     return fields;
 }
 
 void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g) {
-    effectiveAlbedos(state.exchange, state.escape.fit(), state.tau.brick(b), state.albedoView(channel).brick(b), g);
+    effectiveAlbedos(state.exchange, state.escape.fit(), state.surfaces.normals(b), state.tau.brick(b),
+                     state.albedoView(channel).brick(b), g);
 }
 
 ChannelPower& ChannelPower::operator+=(const ChannelPower& other) {
@@ -126,17 +155,23 @@ ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, doubl
     step.model = state.exchange;
     step.escape = state.escape.fit();
     const double length =
-        state.exchange == MediumExchange::paper ? std::cbrt(state.volume.layout.voxelVolume) : front.stepLength;
+        state.exchange == ExchangeModel::paper ? std::cbrt(state.volume.layout.voxelVolume) : front.stepLength;
     step.stepScale = float(length / state.escape.meanStepLength());
     step.zeta = float(zeta);
+    for (int axis = 0; axis < 3; ++axis) step.direction[axis] = float(front.direction[axis]);
+    step.furnaceRay = float(front.crossSection / state.voxelFace());
+    step.solidTau = float(state.solidTau());
     return step;
 }
 
 double thickShare(const SolverState& state) {
     const double limit = 2 * state.escape.meanStepLength() / std::cbrt(state.volume.layout.voxelVolume);
     const double thick = orderedSum(state.volume.layout.brickCount(), [&](std::size_t b) {
-        return double(std::count_if(state.tau.brick(b), state.tau.brick(b) + kBrickVoxels,
-                                    [&](float tau) { return double(tau) > limit; }));
+        const PackedNormal* const normals = state.surfaces.normals(b);
+        int count = 0;
+        for (int i = 0; i < kBrickVoxels; ++i)
+            count += double(state.tau.brick(b)[i]) > limit && !(normals && normals[i] != 0);
+        return double(count);
     });
     return thick / std::max<double>(1, double(state.volume.layout.activeVoxels));
 }

@@ -2,6 +2,9 @@
 #pragma once
 
 #include "raysweep/illuminate/illuminate.h"
+#include "raysweep/volume/surface.h"
+
+#include <cmath>
 
 namespace raysweep {
 
@@ -11,7 +14,8 @@ struct SolverState {
 
     SweepVolume volume;
     Escape escape;
-    MediumExchange exchange = MediumExchange::consistent;
+    ExchangeModel exchange = ExchangeModel::consistent;
+    Surfaces surfaces;
     int channels = 1;
     double powerUnit = 1;  ///< W
 
@@ -21,15 +25,29 @@ struct SolverState {
     BrickField
         source[kMaxChannels];  ///< power to be shot that each injection adds; empty without direct light or emission
     BrickField unshot[kMaxChannels];
-    BrickField recent[kMaxChannels];  ///< deposit since the last fold
-    BrickField total[kMaxChannels];   ///< deposit up to the last fold
-    BrickField fresh[kMaxChannels];   ///< deposit of this sweep; `linear` only
-    BrickField zero;                  ///< one brick of nothing
+    BrickField recent[kMaxChannels];                 ///< deposit since the last fold
+    BrickField total[kMaxChannels];                  ///< deposit up to the last fold
+    BrickField fresh[kMaxChannels];                  ///< deposit of this sweep; `linear` only
+    std::vector<openvdb::FloatGrid::Ptr> quadAreas;  ///< see rasterizeQuad
+    BrickField zero;                                 ///< one brick of nothing
 
-    int injections = 0;
+    // Of the surfaces' bricks alone:
+    BrickField furnace;                ///< sum of F over `furnaceSweeps` sweeps; empty if not measured
+    BrickField seen[kMaxChannels];     ///< S of direct light, in `radianceUnit`
+    BrickField emitted[kMaxChannels];  ///< the part of `source` that is not in `seen`
+
+    int injections = 0, furnaceSweeps = 0;
     PowerBalance perInjection;  ///< of direct light and emission, for one injection, in powerUnit
     PowerBalance swept;         ///< of the rays of all sweeps so far, in powerUnit
 
+    /// A power spread over the face of a voxel and all directions.
+    double voxelFace() const { return std::cbrt(volume.layout.voxelVolume) * std::cbrt(volume.layout.voxelVolume); }
+    double radianceUnit() const { return powerUnit / voxelFace(); }  ///< W m^-2 sr^-1
+    /// tau from which on a voxel is opaque: one that has no surface then is the inside of a solid, if there are solids.
+    double solidTau() const {
+        constexpr double kOpacity = 0.5;  // of a cube of the voxel's volume
+        return -std::log1p(-kOpacity) * escape.meanStepLength() / std::cbrt(volume.layout.voxelVolume);
+    }
     bool hasSource() const { return !source[0].empty(); }
     BrickView<const float> albedoView(int channel) const {
         return uniformAlbedo ? sharedView(albedo[channel]) : viewOf(albedo[channel]);
@@ -42,8 +60,8 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
 /// Fields that only sweeps need.
 void allocateSweepFields(SolverState& state, const IlluminateOptions& options);
 
-/// The fields as a sweep sees them, with the power that sources add in each sweep or without.
-ExchangeFields exchangeFields(SolverState& state, bool withSource);
+/// The fields as a sweep sees them. With `injecting` the sources add their power and the local furnace is measured.
+ExchangeFields exchangeFields(SolverState& state, bool injecting);
 
 /// Effective albedo of the 512 voxels of brick `b`.
 void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g);
@@ -61,7 +79,8 @@ double sumOf(const BrickField& field);
 /// The constants of a sweep along `front`.
 ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, double zeta);
 
-/// Part of the active voxels whose optical depth (extinction * edge of a cube of a voxel's volume) is above 2.
+/// Part of the active voxels that are a medium and whose optical depth (extinction * edge of a cube of a voxel's
+/// volume) is above 2.
 double thickShare(const SolverState& state);
 
 }  // namespace raysweep

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 
 namespace raysweep {
 namespace {
@@ -38,6 +39,13 @@ void requireImage(const Image& image) {
     if (image.pixels.size() != std::size_t(image.width) * image.height * image.channels)
         throw InvalidArgument("image: " + std::to_string(image.pixels.size()) +
                               " values do not match width x height x channels");
+}
+
+/// The image library's own reader of volumes ends the process with an invalid pointer (2.4.7).
+bool isVolume(const std::string& path) {
+    char magic[4] = {0};
+    std::ifstream(path, std::ios::binary).read(magic, sizeof magic);
+    return std::string(magic, sizeof magic) == " BDV";
 }
 
 /// sRGB with alpha apart, in memory linear and premultiplied.
@@ -115,6 +123,7 @@ std::unique_ptr<OIIO::ImageInput> openPicture(const std::string& path, const OII
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) fail("there is no such file");
     if (std::filesystem::is_directory(path, ignored)) fail("it is a folder; give a picture file");
+    if (isVolume(path)) fail("it is an OpenVDB volume; give an EXR, HDR, PNG, JPEG or TIFF picture");
     auto input = OIIO::ImageInput::open(path, how);
     if (!input) fail(OIIO::geterror() + "; give an EXR, HDR, PNG, JPEG or TIFF picture");
     return input;

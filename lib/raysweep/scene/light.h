@@ -19,11 +19,21 @@ struct PointLight {
     Color power = grey(1);  ///< W
 };
 
+/// A parallelogram that shines to one side, evenly, as a Lambert emitter. It lights but is not seen: it has no
+/// extinction.
+struct QuadLight {
+    Vec3 corner{0};               ///< world units
+    Vec3 u{1, 0, 0}, v{0, 1, 0};  ///< edges from the corner, world units; light leaves towards u x v
+    Color radiance = grey(1);     ///< W m^-2 sr^-1
+};
+
 /// Light from all around, infinitely far away.
 struct Sky {
     Color radiance = grey(0);  ///< W m^-2 sr^-1
-    /// Optional factor on `radiance` for light that travels in a (unit, world) direction; none: 1 everywhere.
-    std::function<double(const Vec3& direction)> profile;
+    /// Optional factor on `radiance`, per wavelength, for light that travels in a (unit, world) direction; not
+    /// negative; none: 1 everywhere.
+    std::function<Color(const Vec3& direction)> profile;
+    bool colouredProfile = false;  ///< `profile` differs between wavelengths
 };
 
 }  // namespace raysweep

@@ -12,6 +12,7 @@ struct Scene {
     Medium medium;
     std::vector<Sun> suns;
     std::vector<PointLight> points;
+    std::vector<QuadLight> quads;
     Sky sky;
 
     /// @throw InvalidArgument naming field, value and bound for anything that has no meaning: no density, an extinction

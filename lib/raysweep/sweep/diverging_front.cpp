@@ -2,7 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/sweep/brick_map.h"
+#include "raysweep/volume/brick_map.h"
 
 #include <algorithm>
 #include <atomic>
@@ -30,14 +30,13 @@ struct Pyramid {
     double slope(int cell) const { return -1 + 2.0 * cell / cells; }
 };
 
-struct Source {
-    const SweepVolume& volume;
-    Vec3 position;
-    BrickView<const float> tau;
-    double scale;
+/// What rays read and write.
+struct Field {
+    const PointSource& source;
     BrickMap map;
-    FixedField& deposit;
-    double unitsPerPower = kFixedPoint;  ///< of `deposit`
+    FixedField power;
+    FixedField furnace;
+    double unitsPerPower;  ///< of both
 };
 
 /// Slopes under which the volume's extent [low, high] is seen between the distances `near` and `far`.
@@ -90,22 +89,62 @@ struct CellOverlap {
     }
 };
 
+/// A ray on its way.
+struct Ray {
+    double power;
+    double furnace;  ///< f, in the same units: the ray's whole power wherever it is outside of surfaces
+    Vec3 direction;  ///< world, unit
+};
+
+/// Where a voxel is held.
+struct VoxelPlace {
+    std::uint32_t brick;
+    std::size_t offset;
+};
+
+/// What a ray met in a slice.
+struct Met {
+    double power = 0, furnace = 0;  ///< taken
+    bool solid = false, leaving = false;
+};
+
+/// Exchanges a part `weight` of the ray with one voxel of optical depth tau * `length`.
+void meetVoxel(Field& field, const Ray& ray, const VoxelPlace& place, double weight, double length, Met& met) {
+    const float tau = field.source.tau.brick(place.brick)[place.offset];
+    const PackedNormal* const normals = field.source.surfaces ? field.source.surfaces->normals(place.brick) : nullptr;
+    const bool surface = normals && normals[place.offset] != 0;
+    const double cosine = surface ? unpackNormal(normals[place.offset]).dot(ray.direction) : 0;
+    const bool solid = (surface && tau > 0) || double(tau) >= field.source.solidTau;
+    met.solid = met.solid || solid;
+    met.leaving = met.leaving || (tau > 0 && cosine > double(kLeavingCosine));
+    if (tau == 0 || (surface && cosine >= 0)) return;
+    const double opacity = -std::expm1(-double(tau) * length);
+    const auto take = [&](FixedField& to, std::size_t brick, double energy) {
+        const std::int64_t units = std::llround(weight * energy * opacity * field.unitsPerPower);
+        to[brick * std::size_t(kBrickVoxels) + place.offset].fetch_add(units, std::memory_order_relaxed);
+        return double(units) / field.unitsPerPower;
+    };
+    met.power += take(field.power, place.brick, ray.power);
+    if (solid && normals) met.furnace += take(field.furnace, field.source.surfaces->slots[place.brick], ray.furnace);
+}
+
 /// Steps one ray through the volume. @return the power left
-double marchRay(const Source& source, const Pyramid& pyramid, int column, int row, double power,
-                double lengthPerSlice) {
+double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray ray, double lengthPerSlice) {
     const SweepAxis& axis = pyramid.axis;
-    const double width = 2.0 / pyramid.cells;
+    const Vec3& position = field.source.position;
+    const double width = 2.0 / pyramid.cells, whole = ray.power;
     const int slices = std::abs(pyramid.lastSlice - pyramid.firstSlice) + 1;
     Index3 lastCell(INT32_MIN);
     std::uint32_t brick = kNoBrick;
-    for (int i = 0; i < slices && power > 0; ++i) {
+    int lastSolid = -kSurfaceGap;
+    for (int i = 0; i < slices && ray.power > 0; ++i) {
         const int slice = pyramid.firstSlice + pyramid.sign * i;
-        const double middle = pyramid.sign * (slice - source.position[axis.major]);
+        const double middle = pyramid.sign * (slice - position[axis.major]);
         const double enter = std::max(0.0, middle - 0.5), leave = middle + 0.5, z = 0.5 * (enter + leave);
-        const double length = (leave - enter) * lengthPerSlice * source.scale;
-        const CellOverlap u(source.position[axis.column] + pyramid.slope(column) * z, width * z);
-        const CellOverlap v(source.position[axis.row] + pyramid.slope(row) * z, width * z);
-        double lost = 0;
+        const double length = (leave - enter) * lengthPerSlice * field.source.scale;
+        const CellOverlap u(position[axis.column] + pyramid.slope(column) * z, width * z);
+        const CellOverlap v(position[axis.row] + pyramid.slope(row) * z, width * z);
+        Met met;
         for (int dv = 0; dv < 2; ++dv)
             for (int du = 0; du < 2; ++du) {
                 const double weight = u.weight[du] * v.weight[dv];
@@ -115,20 +154,17 @@ double marchRay(const Source& source, const Pyramid& pyramid, int column, int ro
                 voxel[axis.column] = u.voxel + du;
                 voxel[axis.row] = v.voxel + dv;
                 const Index3 cell(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
-                if (cell != lastCell) brick = source.map.find(voxel);
+                if (cell != lastCell) brick = field.map.find(voxel);
                 lastCell = cell;
                 if (brick == kNoBrick) continue;
-                const std::size_t at = offsetInBrick(voxel);
-                const float tau = source.tau.brick(brick)[at];
-                if (tau == 0) continue;
-                const double in = weight * power * -std::expm1(-double(tau) * length);
-                const std::int64_t units = std::llround(in * source.unitsPerPower);
-                source.deposit[brick * std::size_t(kBrickVoxels) + at].fetch_add(units, std::memory_order_relaxed);
-                lost += double(units) / source.unitsPerPower;
+                meetVoxel(field, ray, {brick, offsetInBrick(voxel)}, weight, length, met);
             }
-        power = std::max(0.0, power - lost);
+        ray.power = std::max(0.0, ray.power - met.power);
+        ray.furnace = std::max(0.0, ray.furnace - met.furnace);
+        if (met.solid) lastSolid = i;
+        if (met.leaving || i - lastSolid >= kSurfaceGap) ray.furnace = whole;
     }
-    return power;
+    return ray.power;
 }
 
 /// World vector from the source to the cell corner of slopes (a, b), one slice away.
@@ -140,9 +176,10 @@ Vec3 towards(const Pyramid& pyramid, const Matrix3& worldFromIndex, double a, do
     return inIndex * worldFromIndex;
 }
 
-/// Power of the ray of a cell, its part of the whole sphere; and the ray's length in a slice.
+/// Power of the ray of a cell, its part of the whole sphere; the ray's length in a slice, and its direction.
 struct Cell {
     double power, lengthPerSlice;
+    Vec3 direction;
 };
 
 Cell cellOf(const Pyramid& pyramid, const Matrix3& world, int column, int row) {
@@ -150,8 +187,17 @@ Cell cellOf(const Pyramid& pyramid, const Matrix3& world, int column, int row) {
     const double b0 = pyramid.slope(row), b1 = pyramid.slope(row + 1);
     const Vec3 c00 = towards(pyramid, world, a0, b0), c10 = towards(pyramid, world, a1, b0);
     const Vec3 c01 = towards(pyramid, world, a0, b1), c11 = towards(pyramid, world, a1, b1);
-    return {(solidAngle(c00, c10, c11) + solidAngle(c00, c11, c01)) / (4 * kPi),
-            (0.25 * (c00 + c10 + c01 + c11)).length()};
+    const Vec3 middle = 0.25 * (c00 + c10 + c01 + c11);
+    return {(solidAngle(c00, c10, c11) + solidAngle(c00, c11, c01)) / (4 * kPi), middle.length(), middle.normalized()};
+}
+
+BrickField floatsOf(const FixedField& fixed, double unitsPerPower) {
+    BrickField field(fixed.size() / kBrickVoxels);
+    parallelFor(field.brickCount(), [&](std::size_t b) {
+        for (std::size_t i = 0; i < kBrickVoxels; ++i)
+            field.brick(b)[i] = float(double(fixed[b * kBrickVoxels + i]) / unitsPerPower);
+    });
+    return field;
 }
 
 /// Sum of `term(column, row)` over the cells of a pyramid.
@@ -170,33 +216,29 @@ double sumOverCells(const Pyramid& pyramid, const Term& term) {
 
 }  // namespace
 
-double depositFromPoint(const SweepVolume& volume, const Vec3& position, BrickView<const float> tau, double scale,
-                        BrickField& deposit) {
-    const std::size_t bricks = volume.layout.brickCount();
-    const Matrix3& world = volume.layout.worldFromIndex;
+PointDeposit depositFromPoint(const PointSource& source) {
+    const BrickLayout& layout = source.volume.layout;
+    const Matrix3& world = layout.worldFromIndex;
     std::vector<Pyramid> pyramids;
     for (int major = 0; major < 3; ++major)
         for (const int sign : {1, -1}) {
-            const Pyramid pyramid = pyramidOf(volume.layout, position, major, sign);
+            const Pyramid pyramid = pyramidOf(layout, source.position, major, sign);
             if (!pyramid.rows.empty() && !pyramid.columns.empty()) pyramids.push_back(pyramid);
         }
     double sent = 0, left = 0;
     for (const Pyramid& pyramid : pyramids)
         sent += sumOverCells(pyramid, [&](int column, int row) { return cellOf(pyramid, world, column, row).power; });
 
-    FixedField fixed(bricks * kBrickVoxels);
-    const double unitsPerPower = kFixedPoint / std::max(sent, 1e-300);
-    const Source source{volume, position, tau, scale, BrickMap(volume.layout), fixed, unitsPerPower};
+    const std::size_t surfaceBricks = source.surfaces ? source.surfaces->bricks.size() : 0;
+    Field field{source, BrickMap(layout), FixedField(layout.brickCount() * kBrickVoxels),
+                FixedField(surfaceBricks * kBrickVoxels), kFixedPoint / std::max(sent, 1e-300)};
     for (const Pyramid& pyramid : pyramids)
         left += sumOverCells(pyramid, [&](int column, int row) {
             const Cell cell = cellOf(pyramid, world, column, row);
-            return marchRay(source, pyramid, column, row, cell.power, cell.lengthPerSlice);
+            return marchRay(field, pyramid, column, row, {cell.power, cell.power, cell.direction}, cell.lengthPerSlice);
         });
-    parallelFor(bricks, [&](std::size_t b) {
-        for (std::size_t i = 0; i < kBrickVoxels; ++i)
-            deposit.brick(b)[i] = float(double(fixed[b * kBrickVoxels + i]) / unitsPerPower);
-    });
-    return (1 - sent) + left;
+    return {floatsOf(field.power, field.unitsPerPower), floatsOf(field.furnace, field.unitsPerPower),
+            (1 - sent) + left};
 }
 
 }  // namespace raysweep

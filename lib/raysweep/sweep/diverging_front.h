@@ -12,12 +12,26 @@
 
 namespace raysweep {
 
-/// Light of unit power from `position` (voxel coordinates), absorbed on its way.
-/// @param sigma extinction, 1/world unit, as `scale` * `tau`
-/// @param deposit receives the power (part of 1) that collides in each voxel
-/// @return the part that leaves the volume or never meets it; with the sum of `deposit` it makes 1
+/// A point in a volume.
+struct PointSource {
+    const SweepVolume& volume;
+    Vec3 position;  ///< voxel coordinates
+    BrickView<const float> tau;
+    double scale = 1;                    ///< extinction, 1/world unit, is `scale` * tau
+    const Surfaces* surfaces = nullptr;  ///< null: none
+    double solidTau = 1e30;              ///< see ExchangeStep
+};
+
+/// What light of unit power leaves behind.
+struct PointDeposit {
+    BrickField power;    ///< that collides in each voxel, part of 1
+    BrickField furnace;  ///< local furnace of the surfaces' bricks (exchange.h): what would be there if nothing but its
+                         ///< own surface came between a voxel and the light; empty without surfaces
+    double escaped = 0;  ///< part that leaves the volume or never meets it; with the sum of `power` it makes 1
+};
+
+/// Sends out the light of a point, absorbed on its way.
 /// @throw InvalidArgument for a source more than 5e8 voxels away
-double depositFromPoint(const SweepVolume& volume, const Vec3& position, BrickView<const float> tau, double scale,
-                        BrickField& deposit);
+PointDeposit depositFromPoint(const PointSource& source);
 
 }  // namespace raysweep

@@ -15,10 +15,13 @@ namespace raysweep {
 namespace HWY_NAMESPACE {
 namespace {
 
-template <MediumExchange kModel>
+template <ExchangeModel kModel>
 void settle(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
+    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
-        const RowTerms terms = rowTerms<kModel>(step, hn::Load(kLanes, fields.tau.brick(b) + i));
+        const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
+        RowTerms terms = rowTerms<kModel>(step, tau);
+        if (normals) applySurfaces<kModel>(step, normals + i, tau, terms);
         for (int c = 0; c < fields.channels; ++c) {
             float* const unshot = fields.unshot[c].brick(b) + i;
             float* const deposit = fields.deposit[c].brick(b) + i;
@@ -37,15 +40,17 @@ void settle(const ExchangeFields& fields, const ExchangeStep& step, std::size_t 
 }  // namespace
 
 void settleDispatched(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
-    step.model == MediumExchange::paper ? settle<MediumExchange::paper>(fields, step, b)
-                                        : settle<MediumExchange::consistent>(fields, step, b);
+    step.model == ExchangeModel::paper ? settle<ExchangeModel::paper>(fields, step, b)
+                                       : settle<ExchangeModel::consistent>(fields, step, b);
 }
 
-void effectiveAlbedosDispatched(const ExchangeStep& step, const float* tau, const float* albedo, float* g) {
+void effectiveAlbedosDispatched(const ExchangeStep& step, const PackedNormal* normals, const float* tau,
+                                const float* albedo, float* g) {
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec depth = hn::Load(kLanes, tau + i);
-        const RowTerms terms = step.model == MediumExchange::paper ? rowTerms<MediumExchange::paper>(step, depth)
-                                                                   : rowTerms<MediumExchange::consistent>(step, depth);
+        RowTerms terms = step.model == ExchangeModel::paper ? rowTerms<ExchangeModel::paper>(step, depth)
+                                                            : rowTerms<ExchangeModel::consistent>(step, depth);
+        if (normals) applySurfaces<ExchangeModel::consistent>(step, normals + i, depth, terms);
         hn::Store(effectiveAlbedo(terms, hn::Load(kLanes, albedo + i)), kLanes, g + i);
     }
 }
@@ -64,11 +69,12 @@ void settleBrick(const ExchangeFields& fields, const ExchangeStep& step, std::si
     HWY_DYNAMIC_DISPATCH(settleDispatched)(fields, step, b);
 }
 
-void effectiveAlbedos(MediumExchange model, const EscapeFit& escape, const float* tau, const float* albedo, float* g) {
+void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,
+                      const float* albedo, float* g) {
     ExchangeStep step;
     step.model = model;
     step.escape = escape;
-    HWY_DYNAMIC_DISPATCH(effectiveAlbedosDispatched)(step, tau, albedo, g);
+    HWY_DYNAMIC_DISPATCH(effectiveAlbedosDispatched)(step, normals, tau, albedo, g);
 }
 
 }  // namespace raysweep

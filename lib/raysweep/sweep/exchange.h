@@ -10,11 +10,26 @@
 ///
 /// with p the voxel's escape probability and g its effective albedo (escape.h). Nothing here can become negative, and
 /// what one side gains the other loses.
+///
+/// A voxel with a surface of normal n takes from rays that arrive (omega.n < 0), all of alpha: slices already show it
+/// at its projected size. It shoots into those that leave, out = U min(1, 4 zeta) omega.n, a Lambert emitter, and does
+/// not attenuate them, or the surface would shade itself. What it takes is scattered once, g = albedo.
+///
+/// How much a surface voxel collects depends on how its neighbours on the same surface shade it, so it is measured:
+/// beside its power a ray carries f, the *local furnace*, which is set to radiance 1 where it is outside of solids and
+/// is taken in and attenuated like power inside them. What it leaves behind is the voxel's furnace deposit F.
+///
+/// "Outside" has to be told with care, or rays are counted twice (F too large) or not at all. Inside are surface
+/// voxels, and opaque ones behind them: a ray set back to 1 there would count again where it comes upon another surface
+/// from within, at every concave edge. A ray that cuts a step of a staircase and soon meets the next one is still the
+/// same ray: it must have been outside for kSurfaceGap slices. But one that left a wall through its surface, and not at
+/// a glancing angle (kLeavingCosine), is new, however near the next wall is. (Measured in docs/decisions/0005.)
 #pragma once
 
 #include "raysweep/sweep/escape.h"
 #include "raysweep/sweep/ray_tiles.h"
 #include "raysweep/volume/bricks.h"
+#include "raysweep/volume/surface.h"
 
 namespace raysweep {
 
@@ -23,10 +38,15 @@ constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
 /// Voxels of a smaller optical depth count as empty.
 constexpr float kThinnest = 1e-20f;
 
-/// How a voxel of a medium scatters.
-enum class MediumExchange {
-    consistent,  ///< the rule above
-    paper  ///< Algorithm 1 as printed: opacity of one voxel edge whatever the direction, albedo for g, out = zeta U
+constexpr int kSurfaceGap = 2;
+constexpr float kLeavingCosine = 0.5f;
+constexpr float kLongAgo = -1e9f;  ///< a slice long before the first
+
+/// How voxels scatter.
+enum class ExchangeModel {
+    consistent,  ///< the rules above
+    paper  ///< Algorithm 1 as printed: opacity of one voxel edge whatever the direction, albedo for g, out = zeta U,
+           ///< and at surfaces in = e alpha |omega.n|, out = zeta U omega.n
 };
 
 /// One float per voxel of every brick, or one brick of values that all share (`stride` 0).
@@ -58,17 +78,22 @@ struct ExchangeFields {
     BrickView<float> unshot[kMaxChannels];        ///< U, W
     BrickView<float> deposit[kMaxChannels];       ///< D, W
     BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone, W; `linear` only
-    CrossingRays* arriving = nullptr;             ///< in a volume that is periodic along the sweep's axis: rays that
-    CrossingRays* leaving = nullptr;              ///< come from the repetition before, and that go on to the next
+    const Surfaces* surfaces = nullptr;           ///< null: none
+    BrickView<float> furnace;          ///< F of the surfaces' bricks, in units of a ray's; null: not measured
+    CrossingRays* arriving = nullptr;  ///< in a volume that is periodic along the sweep's axis: rays that
+    CrossingRays* leaving = nullptr;   ///< come from the repetition before, and that go on to the next
 };
 
 /// What is constant during one sweep.
 struct ExchangeStep {
-    MediumExchange model = MediumExchange::consistent;
+    ExchangeModel model = ExchangeModel::consistent;
     EscapeFit escape;
     float stepScale = 1;                 ///< step length / mean step length
     float zeta = 0.5f;                   ///< part of the unshot power that is shot, (0,1]
     float entering[kMaxChannels] = {0};  ///< power of a ray when it enters the volume, W
+    float direction[3] = {0};            ///< unit vector of travel, world; surfaces only
+    float furnaceRay = 1;                ///< what a ray of radiance 1 adds to `furnace`
+    float solidTau = 1e30f;              ///< tau from which on a voxel is solid, surface or not
 };
 
 /// Ray powers summed over a tile's rays at both ends, W.
@@ -89,7 +114,9 @@ void exchangeLinear(const RayFront& front, const RayTile& tile, const ExchangeFi
 /// Ends a `linear` sweep for brick `b`: D += fresh, U += g fresh - out + source, fresh = 0.
 void settleBrick(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b);
 
-/// g of every voxel of a brick as the exchange computes it. `albedo`, `tau` and `g` have 512 values.
-void effectiveAlbedos(MediumExchange model, const EscapeFit& escape, const float* tau, const float* albedo, float* g);
+/// g of every voxel of a brick as the exchange computes it. `albedo`, `tau` and `g` have 512 values, and `normals`,
+/// unless it is null.
+void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,
+                      const float* albedo, float* g);
 
 }  // namespace raysweep

@@ -25,17 +25,31 @@ struct LinearBrick {
     HWY_ALIGN float opacity[kBrickVoxels];
     HWY_ALIGN float out[kChannels][kBrickVoxels];
     HWY_ALIGN float in[kChannels][kBrickVoxels];
+    bool furnace = false;                 ///< has surfaces whose furnace is measured
+    HWY_ALIGN float solid[kBrickVoxels];  ///< 1 where rays are inside a solid, -1 where they leave one, else 0
+    HWY_ALIGN float furnaceIn[kBrickVoxels];
 };
 
-template <MediumExchange kModel, int kChannels>
+template <ExchangeModel kModel, int kChannels>
 HWY_INLINE void prepareLinear(const RayFront& front, const ExchangeFields& fields, const ExchangeStep& step,
                               std::size_t b, LinearBrick<kChannels>& brick) {
     HWY_ALIGN float opacity[kBrickVoxels];
+    HWY_ALIGN float solid[kBrickVoxels];
     HWY_ALIGN float out[kChannels][kBrickVoxels];
     const bool turn = front.axis.transposed;
     float* const opacityTo = turn ? opacity : brick.opacity;
+    float* const solidTo = turn ? solid : brick.solid;
+    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
+    brick.furnace = normals && fields.furnace.data;
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
-        const RowTerms terms = rowTerms<kModel>(step, hn::Load(kLanes, fields.tau.brick(b) + i));
+        const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
+        RowTerms terms = rowTerms<kModel>(step, tau);
+        if (normals) {
+            const RowSolids solids = applySurfaces<kModel>(step, normals + i, tau, terms);
+            const Vec leaving = hn::IfThenElseZero(solids.leaving, hn::Set(kLanes, -1.0f));
+            hn::Store(hn::IfThenElse(solids.inside, hn::Set(kLanes, 1.0f), leaving), kLanes, solidTo + i);
+            hn::Store(hn::Zero(kLanes), kLanes, brick.furnaceIn + i);
+        }
         hn::Store(terms.opacity, kLanes, opacityTo + i);
         for (int c = 0; c < kChannels; ++c) {
             const Vec U = hn::Load(kLanes, fields.unshot[c].brick(b) + i);
@@ -45,6 +59,7 @@ HWY_INLINE void prepareLinear(const RayFront& front, const ExchangeFields& field
     }
     if (!turn) return;
     transposePlanes(opacity, brick.opacity, 0, kBrickEdge - 1);
+    if (normals) transposePlanes(solid, brick.solid, 0, kBrickEdge - 1);
     for (int c = 0; c < kChannels; ++c) transposePlanes(out[c], brick.out[c], 0, kBrickEdge - 1);
 }
 
@@ -52,16 +67,16 @@ template <int kChannels>
 HWY_INLINE void finishLinear(const RayFront& front, const ExchangeFields& fields, std::size_t b,
                              const LinearBrick<kChannels>& brick) {
     HWY_ALIGN float turned[kBrickVoxels];
-    for (int c = 0; c < kChannels; ++c) {
-        const float* in = brick.in[c];
+    const auto add = [&](const float* in, float* to) {
         if (front.axis.transposed) {
             transposePlanes(in, turned, 0, kBrickEdge - 1);
             in = turned;
         }
-        float* const fresh = fields.fresh[c].brick(b);
         for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes)))
-            hn::Store(hn::Add(hn::Load(kLanes, fresh + i), hn::Load(kLanes, in + i)), kLanes, fresh + i);
-    }
+            hn::Store(hn::Add(hn::Load(kLanes, to + i), hn::Load(kLanes, in + i)), kLanes, to + i);
+    };
+    for (int c = 0; c < kChannels; ++c) add(brick.in[c], fields.fresh[c].brick(b));
+    if (brick.furnace) add(brick.furnaceIn, fields.furnace.brick(fields.surfaces->slots[b]));
 }
 
 /// Bilinear weights of the 2x2 voxels around a ray; the same for all rays of a slice.
@@ -107,17 +122,65 @@ HWY_INLINE void linearSlice(const RayFront& front, const Overlap& overlap, int j
     }
 }
 
+/// The rays that slice j of a brick meets.
+struct MetRays {
+    int firstColumn, endColumn, firstRow, endRow;
+
+    MetRays(const Overlap& overlap, int j, const TileRays& rays)
+        : firstColumn(std::max(0, overlap.column[j] - 1)),
+          endColumn(std::min(rays.columns(), overlap.column[j] + kBrickEdge)),
+          firstRow(std::max(0, overlap.row[j] - 1)),
+          endRow(std::min(rays.rows(), overlap.row[j] + kBrickEdge)) {}
+};
+
+/// Local furnace of the rays that slice j of a brick meets, before the slice: 1 for those that come from outside.
+HWY_INLINE void renewFurnace(const ExchangeStep& step, const MetRays& met, int slice, TileRays& rays) {
+    for (int row = met.firstRow; row < met.endRow; ++row)
+        for (int u = met.firstColumn; u < met.endColumn; ++u)
+            if (rays.sliceRow(row)[u] < float(slice - kSurfaceGap)) rays.furnaceRow(row)[u] = step.furnaceRay;
+}
+
+/// What slice j of a brick takes of the local furnace. `change` adds up what rays lose, and how much more of each is
+/// inside a solid than leaves one.
+HWY_INLINE void furnaceSlice(const RayFront& front, const Overlap& overlap, int j, const Stencil& stencil,
+                             const float* opacity, const float* solid, float* furnaceIn, TileRays& rays,
+                             TileRays& change) {
+    for (int r = 0; r < kBrickEdge; ++r)
+        for (int dv = 0; dv < 2; ++dv) {
+            const int row = overlap.row[j] + r - dv;
+            if (row < 0 || row >= rays.rows()) continue;
+            const int at = overlap.slice[j] * front.axis.sliceStride + r * front.axis.rowStride;
+            for (int du = 0; du < 2; ++du)
+                for (int lane = 0; lane < kBrickEdge; ++lane) {
+                    const int u = overlap.column[j] - du + lane;
+                    if (u < 0 || u >= rays.columns()) continue;
+                    const float weight = stencil.weight[dv][du];
+                    const float in = solid[at + lane] > 0 ? weight * opacity[at + lane] * rays.furnaceRow(row)[u] : 0;
+                    furnaceIn[at + lane] += in;
+                    change.furnaceRow(row)[u] += in;
+                    change.sliceRow(row)[u] += weight * solid[at + lane];
+                }
+        }
+}
+
+/// Takes what solids took off the local furnace of the rays that slice j of a brick meets.
+HWY_INLINE void applyFurnace(const MetRays& met, int slice, TileRays& rays, TileRays& change) {
+    for (int row = met.firstRow; row < met.endRow; ++row)
+        for (int u = met.firstColumn; u < met.endColumn; ++u) {
+            float &taken = change.furnaceRow(row)[u], &inside = change.sliceRow(row)[u];
+            rays.furnaceRow(row)[u] = std::max(0.0f, rays.furnaceRow(row)[u] - taken);
+            if (inside != 0) rays.sliceRow(row)[u] = inside > 0 ? float(slice) : kLongAgo;
+            taken = inside = 0;
+        }
+}
+
 /// Applies and clears the changes of the rays that slice j of a brick has met.
-HWY_INLINE void applyChange(const Overlap& overlap, int j, int channels, TileRays& rays, TileRays& change) {
-    const int firstColumn = std::max(0, overlap.column[j] - 1);
-    const int endColumn = std::min(rays.columns(), overlap.column[j] + kBrickEdge);
-    const int firstRow = std::max(0, overlap.row[j] - 1);
-    const int endRow = std::min(rays.rows(), overlap.row[j] + kBrickEdge);
+HWY_INLINE void applyChange(const MetRays& met, int channels, TileRays& rays, TileRays& change) {
     for (int c = 0; c < channels; ++c)
-        for (int row = firstRow; row < endRow; ++row) {
+        for (int row = met.firstRow; row < met.endRow; ++row) {
             float* const ray = rays.row(row) + std::size_t(c) * rays.planeStride();
             float* const delta = change.row(row) + std::size_t(c) * rays.planeStride();
-            for (int u = firstColumn; u < endColumn; ++u) {
+            for (int u = met.firstColumn; u < met.endColumn; ++u) {
                 // Weights that sum to 1 but for rounding can leave a dark ray at -1e-8 of what it carried.
                 ray[u] = std::max(0.0f, ray[u] + delta[u]);
                 delta[u] = 0;
@@ -125,10 +188,29 @@ HWY_INLINE void applyChange(const Overlap& overlap, int j, int channels, TileRay
         }
 }
 
-template <MediumExchange kModel, int kChannels>
+/// Takes the local furnace through slice j of the bricks of a layer.
+template <int kChannels>
+void furnaceThroughSlice(const RayFront& front, const std::vector<Overlap>& overlaps,
+                         std::vector<LinearBrick<kChannels>>& bricks, int j, const ExchangeStep& step, int slice,
+                         TileRays& rays, TileRays& change) {
+    const Stencil stencil(front, slice);
+    const auto forEach = [&](const auto& visit) {
+        for (std::size_t i = 0; i < overlaps.size(); ++i)
+            if (bricks[i].furnace) visit(MetRays(overlaps[i], j, rays), i);
+    };
+    forEach([&](const MetRays& met, std::size_t) { renewFurnace(step, met, slice, rays); });
+    forEach([&](const MetRays&, std::size_t i) {
+        furnaceSlice(front, overlaps[i], j, stencil, bricks[i].opacity, bricks[i].solid, bricks[i].furnaceIn, rays,
+                     change);
+    });
+    forEach([&](const MetRays& met, std::size_t) { applyFurnace(met, slice, rays, change); });
+}
+
+template <ExchangeModel kModel, int kChannels>
 void linearTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                 TileSums& sums) {
-    TileRays rays(tile, kChannels), change(tile, kChannels);
+    const bool furnace = fields.furnace.data != nullptr;
+    TileRays rays(tile, kChannels, furnace), change(tile, kChannels, furnace);
     rays.enter(front, tile, fields, step, sums);
     std::vector<LinearBrick<kChannels>> bricks;
     std::vector<Overlap> overlaps;
@@ -147,7 +229,9 @@ void linearTile(const RayFront& front, const RayTile& tile, const ExchangeFields
             for (std::size_t i = 0; i < count; ++i)
                 if (!overlaps[i].missesColumns(j, rays.columns(), 1))
                     linearSlice<kChannels>(front, overlaps[i], j, stencil, bricks[i], rays, change);
-            for (std::size_t i = 0; i < count; ++i) applyChange(overlaps[i], j, kChannels, rays, change);
+            for (std::size_t i = 0; i < count; ++i) applyChange(MetRays(overlaps[i], j, rays), kChannels, rays, change);
+            if (furnace)
+                furnaceThroughSlice<kChannels>(front, overlaps, bricks, j, step, layer->step + j, rays, change);
         }
         for (std::size_t i = 0; i < count; ++i) finishLinear<kChannels>(front, fields, layer[i].brick, bricks[i]);
         layer = end;
@@ -155,7 +239,7 @@ void linearTile(const RayFront& front, const RayTile& tile, const ExchangeFields
     rays.leave(front, tile, fields, sums);
 }
 
-template <MediumExchange kModel>
+template <ExchangeModel kModel>
 void linearChannels(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                     TileSums& sums) {
     fields.channels == 1 ? linearTile<kModel, 1>(front, tile, fields, step, sums)
@@ -166,8 +250,8 @@ void linearChannels(const RayFront& front, const RayTile& tile, const ExchangeFi
 
 void linearDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields,
                       const ExchangeStep& step, TileSums& sums) {
-    step.model == MediumExchange::paper ? linearChannels<MediumExchange::paper>(front, tile, fields, step, sums)
-                                        : linearChannels<MediumExchange::consistent>(front, tile, fields, step, sums);
+    step.model == ExchangeModel::paper ? linearChannels<ExchangeModel::paper>(front, tile, fields, step, sums)
+                                       : linearChannels<ExchangeModel::consistent>(front, tile, fields, step, sums);
 }
 
 }  // namespace HWY_NAMESPACE

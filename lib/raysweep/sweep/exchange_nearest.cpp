@@ -35,6 +35,17 @@ struct BrickRows {
     const float* source[kMaxChannels];
     float* unshot[kMaxChannels];
     float* deposit[kMaxChannels];
+    const PackedNormal* normals;  ///< null: no surfaces
+    float* furnace;               ///< null: not measured
+};
+
+/// A row of rays, and what goes with it.
+struct RayRow {
+    float* HWY_RESTRICT power;  ///< of the first channel; the next are `stride` on
+    std::size_t stride;
+    float* HWY_RESTRICT furnace;  ///< f; null if not measured
+    float* HWY_RESTRICT slice;    ///< in which they were in a solid last
+    int begin, end;               ///< lanes that take part, where the row is clipped
 };
 
 /// Lanes [begin, end) of a row.
@@ -63,24 +74,40 @@ HWY_INLINE void storeOwn(Vec value, float* to, int lane, int begin, int end) {
     for (int i = std::max(lane, begin); i < std::min(lane + count, end); ++i) to[i] = values[i - lane];
 }
 
-/// Eight voxels of a slice and the eight rays at them. `rays` is the first channel's; the next are `raysStride` on.
-/// With kClipped only lanes [begin, end) take part.
-template <MediumExchange kModel, int kChannels, bool kClipped>
-HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, int at, float* HWY_RESTRICT rays,
-                            std::size_t raysStride, int begin, int end) {
+/// Local furnace of eight rays.
+template <bool kClipped>
+HWY_INLINE void exchangeFurnace(const ExchangeStep& step, Vec opacity, const RowSolids& solids, float* furnace,
+                                const RayRow& rays, int lane, int slice) {
+    const Vec last = hn::LoadU(kLanes, rays.slice + lane), now = hn::Set(kLanes, float(slice));
+    const Mask close = hn::Ge(last, hn::Set(kLanes, float(slice - kSurfaceGap)));
+    const Vec f = hn::IfThenElse(close, hn::LoadU(kLanes, rays.furnace + lane), hn::Set(kLanes, step.furnaceRay));
+    const Vec in = hn::IfThenElseZero(solids.inside, hn::Mul(f, opacity));
+    const Vec lastNow = hn::IfThenElse(solids.leaving, hn::Set(kLanes, kLongAgo), last);
+    hn::StoreU(hn::Sub(f, in), kLanes, rays.furnace + lane);
+    hn::StoreU(hn::IfThenElse(solids.inside, now, lastNow), kLanes, rays.slice + lane);
+    storeOwn<kClipped>(hn::Add(hn::Load(kLanes, furnace + lane), in), furnace, lane, rays.begin, rays.end);
+}
+
+/// Eight voxels of a slice and the eight rays at them. With kClipped only lanes [begin, end) take part.
+template <ExchangeModel kModel, int kChannels, bool kClipped, bool kSurfaces>
+HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, int at, const RayRow& rays, int slice) {
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, brick.tau + at + lane);
         if (isEmpty<kChannels>(brick, at + lane, tau)) continue;
         RowTerms terms = rowTerms<kModel>(step, tau);
+        RowSolids solids;
+        if (kSurfaces) solids = applySurfaces<kModel>(step, brick.normals + at + lane, tau, terms);
         if (kClipped) {
-            const Mask taking = lanesBetween(lane, begin, end);
+            const Mask taking = lanesBetween(lane, rays.begin, rays.end);
             terms.opacity = hn::IfThenElseZero(taking, terms.opacity);
             terms.shot = hn::IfThenElseZero(taking, terms.shot);
         }
+        if (kSurfaces && rays.furnace)
+            exchangeFurnace<kClipped>(step, terms.opacity, solids, brick.furnace + at, rays, lane, slice);
         for (int c = 0; c < kChannels; ++c) {
             float* const unshot = brick.unshot[c] + at;
             float* const deposit = brick.deposit[c] + at;
-            float* const ray = rays + std::size_t(c) * raysStride + lane;
+            float* const ray = rays.power + std::size_t(c) * rays.stride + lane;
             const Vec e = hn::LoadU(kLanes, ray);
             const Vec U = hn::Load(kLanes, unshot + lane);
             const Vec added = hn::Load(kLanes, brick.source[c] + at + lane);
@@ -91,8 +118,8 @@ HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, in
             const Vec newUnshot = hn::MulAdd(g, in, hn::Add(hn::Sub(U, out), added));
             requireNonNegative(newRay);
             requireNonNegative(newUnshot);
-            storeOwn<kClipped>(newUnshot, unshot, lane, begin, end);
-            storeOwn<kClipped>(hn::Add(hn::Load(kLanes, deposit + lane), in), deposit, lane, begin, end);
+            storeOwn<kClipped>(newUnshot, unshot, lane, rays.begin, rays.end);
+            storeOwn<kClipped>(hn::Add(hn::Load(kLanes, deposit + lane), in), deposit, lane, rays.begin, rays.end);
             hn::StoreU(newRay, kLanes, ray);
         }
     }
@@ -106,6 +133,8 @@ struct TransposedBrick {
     HWY_ALIGN float source[kChannels][kBrickVoxels];
     HWY_ALIGN float unshot[kChannels][kBrickVoxels];
     HWY_ALIGN float deposit[kChannels][kBrickVoxels];
+    HWY_ALIGN PackedNormal normals[kBrickVoxels];
+    HWY_ALIGN float furnace[kBrickVoxels];
 
     BrickRows load(const BrickRows& from, bool uniformAlbedo, bool uniformSource, int first, int last) {
         BrickRows rows = from;
@@ -126,21 +155,33 @@ struct TransposedBrick {
             rows.unshot[c] = unshot[c];
             rows.deposit[c] = deposit[c];
         }
+        if (from.normals) {
+            transposePlanes(from.normals, normals, first, last);
+            rows.normals = normals;
+        }
+        if (from.furnace) {
+            transposePlanes(from.furnace, furnace, first, last);
+            rows.furnace = furnace;
+        }
         return rows;
     }
 
     /// Gives back what the tile's rays have met; the rest of the brick may be another tile's.
     void store(const BrickRows& to, const Overlap& overlap, int columns, int rows) const {
-        for (int r = overlap.firstRow; r <= overlap.lastRow; ++r)
+        for (int r = overlap.firstRow; r <= overlap.lastRow; ++r) {
+            const bool whole = overlap.meetsWholeRow(r, rows);
+            const auto storeRow = [&](const float* from, float* into) {
+                if (whole)
+                    transposePlane(from + 64 * r, into + 64 * r);
+                else
+                    storePart(from + 64 * r, into + 64 * r, overlap, r, columns, rows);
+            };
             for (int c = 0; c < kChannels; ++c) {
-                if (overlap.meetsWholeRow(r, rows)) {
-                    transposePlane(unshot[c] + 64 * r, to.unshot[c] + 64 * r);
-                    transposePlane(deposit[c] + 64 * r, to.deposit[c] + 64 * r);
-                } else {
-                    storePart(unshot[c] + 64 * r, to.unshot[c] + 64 * r, overlap, r, columns, rows);
-                    storePart(deposit[c] + 64 * r, to.deposit[c] + 64 * r, overlap, r, columns, rows);
-                }
+                storeRow(unshot[c], to.unshot[c]);
+                storeRow(deposit[c], to.deposit[c]);
             }
+            if (to.furnace) storeRow(furnace, to.furnace);
+        }
     }
 
     static void storePart(const float* plane, float* to, const Overlap& overlap, int r, int columns, int rows) {
@@ -167,8 +208,8 @@ HWY_INLINE void prefetchEighth(const BrickRows& now, const BrickRows& next, int 
     }
 }
 
-template <MediumExchange kModel, int kChannels>
-HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, const ExchangeStep& step,
+template <ExchangeModel kModel, int kChannels, bool kSurfaces>
+HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, int firstStep, const ExchangeStep& step,
                               const BrickRows& brick, const BrickRows& next, TileRays& rays) {
     const int columns = rays.columns();
     for (int j = 0; j < kBrickEdge; ++j) {
@@ -178,12 +219,15 @@ HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, con
         const int first = std::max(0, -row), last = std::min(kBrickEdge, rays.rows() - row) - 1;
         int at = overlap.slice[j] * front.axis.sliceStride + first * front.axis.rowStride;
         for (int r = first; r <= last; ++r, at += front.axis.rowStride) {
-            float* const ray = rays.row(row + r) + column;
+            RayRow row8{rays.row(row + r) + column, rays.planeStride(), nullptr, nullptr, -column, columns - column};
+            if (kSurfaces && brick.furnace) {
+                row8.furnace = rays.furnaceRow(row + r) + column;
+                row8.slice = rays.sliceRow(row + r) + column;
+            }
             if (overlap.clipped)
-                exchangeRow<kModel, kChannels, true>(step, brick, at, ray, rays.planeStride(), -column,
-                                                     columns - column);
+                exchangeRow<kModel, kChannels, true, kSurfaces>(step, brick, at, row8, firstStep + j);
             else
-                exchangeRow<kModel, kChannels, false>(step, brick, at, ray, rays.planeStride(), 0, kBrickEdge);
+                exchangeRow<kModel, kChannels, false, kSurfaces>(step, brick, at, row8, firstStep + j);
         }
     }
 }
@@ -198,34 +242,42 @@ HWY_INLINE BrickRows brickRows(const ExchangeFields& fields, std::size_t b) {
         rows.unshot[c] = fields.unshot[c].brick(b);
         rows.deposit[c] = fields.deposit[c].brick(b);
     }
+    rows.normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
+    if (rows.normals && fields.furnace.data) rows.furnace = fields.furnace.brick(fields.surfaces->slots[b]);
     return rows;
 }
 
-template <MediumExchange kModel, int kChannels>
+template <ExchangeModel kModel, int kChannels>
 void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                  TileSums& sums) {
-    TileRays rays(tile, kChannels);
+    TileRays rays(tile, kChannels, fields.furnace.data != nullptr);
     rays.enter(front, tile, fields, step, sums);
     TransposedBrick<kChannels> transposed;
+    const auto exchangeAll = [&](const Overlap& overlap, int firstStep, const BrickRows& brick, const BrickRows& next) {
+        if (brick.normals)
+            exchangeBrick<kModel, kChannels, true>(front, overlap, firstStep, step, brick, next, rays);
+        else
+            exchangeBrick<kModel, kChannels, false>(front, overlap, firstStep, step, brick, next, rays);
+    };
     for (const BrickVisit* visit = tile.begin; visit != tile.end; ++visit) {
         const Overlap overlap(front, tile, *visit);
         if (overlap.lastRow < overlap.firstRow) continue;
         const BrickRows brick = brickRows<kChannels>(fields, visit->brick);
         const BrickRows next = brickRows<kChannels>(fields, (visit + 1 == tile.end ? visit : visit + 1)->brick);
         if (!front.axis.transposed) {
-            exchangeBrick<kModel, kChannels>(front, overlap, step, brick, next, rays);
+            exchangeAll(overlap, visit->step, brick, next);
             continue;
         }
         const int first = overlap.firstRow, last = overlap.lastRow;
         const BrickRows turned =
             transposed.load(brick, fields.albedo[0].stride == 0, fields.source[0].stride == 0, first, last);
-        exchangeBrick<kModel, kChannels>(front, overlap, step, turned, next, rays);
+        exchangeAll(overlap, visit->step, turned, next);
         transposed.store(brick, overlap, rays.columns(), rays.rows());
     }
     rays.leave(front, tile, fields, sums);
 }
 
-template <MediumExchange kModel>
+template <ExchangeModel kModel>
 void nearestChannels(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                      TileSums& sums) {
     fields.channels == 1 ? nearestTile<kModel, 1>(front, tile, fields, step, sums)
@@ -236,8 +288,8 @@ void nearestChannels(const RayFront& front, const RayTile& tile, const ExchangeF
 
 void nearestDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields,
                        const ExchangeStep& step, TileSums& sums) {
-    step.model == MediumExchange::paper ? nearestChannels<MediumExchange::paper>(front, tile, fields, step, sums)
-                                        : nearestChannels<MediumExchange::consistent>(front, tile, fields, step, sums);
+    step.model == ExchangeModel::paper ? nearestChannels<ExchangeModel::paper>(front, tile, fields, step, sums)
+                                       : nearestChannels<ExchangeModel::consistent>(front, tile, fields, step, sums);
 }
 
 }  // namespace HWY_NAMESPACE

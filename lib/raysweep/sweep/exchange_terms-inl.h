@@ -10,6 +10,8 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 HWY_BEFORE_NAMESPACE();
 namespace raysweep {
 namespace HWY_NAMESPACE {
@@ -69,7 +71,7 @@ HWY_INLINE Vec opacityOf(Vec x) {
     return hn::MulAdd(power, hn::Mul(series, r), hn::Sub(hn::Set(kLanes, 1.0f), power));
 }
 
-template <MediumExchange kModel>
+template <ExchangeModel kModel>
 HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     const Vec one = hn::Set(kLanes, 1.0f);
     // An empty voxel takes nothing, but alpha / tau must not be 0 / 0: what is emitted in it leaves.
@@ -77,7 +79,7 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     const Vec opacity = hn::Min(opacityOf(along), one);
     RowTerms terms;
     terms.opacity = hn::IfThenElseZero(hn::Gt(tau, hn::Zero(kLanes)), opacity);
-    if (kModel == MediumExchange::paper) {
+    if (kModel == ExchangeModel::paper) {
         terms.shot = hn::Set(kLanes, step.zeta);
         terms.numerator = terms.denominator = one;
         return terms;
@@ -87,6 +89,45 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
     const Vec ratio = hn::Mul(hn::Mul(opacity, terms.denominator), reciprocal(hn::Mul(along, terms.numerator)));
     terms.shot = hn::Min(hn::Mul(ratio, hn::Set(kLanes, step.zeta)), one);
     return terms;
+}
+
+/// Where rays are as regards solids.
+struct RowSolids {
+    hn::Mask<Lanes> inside;   ///< at a surface where they arrive, or behind one
+    hn::Mask<Lanes> leaving;  ///< at a surface where they leave
+};
+
+/// Component `axis` of packed normals.
+HWY_INLINE Vec normalComponent(hn::Vec<hn::RebindToSigned<Lanes>> packed, int axis) {
+    const auto shifted = axis == 0   ? hn::ShiftLeft<22>(packed)
+                         : axis == 1 ? hn::ShiftLeft<12>(packed)
+                                     : hn::ShiftLeft<2>(packed);
+    return hn::ConvertTo(kLanes, hn::ShiftRight<22>(shifted));
+}
+
+/// Changes the terms of voxels that have a surface.
+template <ExchangeModel kModel>
+HWY_INLINE RowSolids applySurfaces(const ExchangeStep& step, const PackedNormal* normals, Vec tau, RowTerms& terms) {
+    const hn::RebindToSigned<Lanes> kWholes;
+    const auto packed = hn::BitCast(kWholes, hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
+    const auto surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
+    Vec cosine = hn::Zero(kLanes);
+    for (int axis = 0; axis < 3; ++axis)
+        cosine =
+            hn::MulAdd(normalComponent(packed, axis), hn::Set(kLanes, step.direction[axis] / kPackedSteps), cosine);
+    const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
+    const bool paper = kModel == ExchangeModel::paper;
+    const Vec taken = paper ? hn::Mul(terms.opacity, hn::Min(hn::Neg(cosine), one)) : terms.opacity;
+    const float shot = paper ? step.zeta : std::min(1.0f, 4 * step.zeta);
+    terms.opacity = hn::IfThenElse(surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
+    terms.shot =
+        hn::IfThenElse(surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, shot)), terms.shot);
+    terms.numerator = hn::IfThenElse(surface, one, terms.numerator);
+    terms.denominator = hn::IfThenElse(surface, one, terms.denominator);
+    const auto present = hn::And(surface, hn::Gt(tau, zero));  // the voxels of a quad light are empty
+    const auto leaving = hn::And(present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));
+    const auto solid = hn::Or(present, hn::Ge(tau, hn::Set(kLanes, step.solidTau)));
+    return {hn::AndNot(leaving, solid), leaving};
 }
 
 /// g = albedo p / (1 - albedo (1 - p)) with p = n / d. Written without a difference of n and d: where p is below the

@@ -34,8 +34,9 @@ StepRange stepsInside(const RayFront& front, const Lateral& lateral, int ray) {
 
 RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, double offsetColumn,
                        double offsetRow, const Periodic& periodic) {
-    const Vec3 inIndex = direction.normalized() * layout.worldFromIndex.inverse();
     RayFront front;
+    front.direction = direction.normalized();
+    const Vec3 inIndex = front.direction * layout.worldFromIndex.inverse();
     front.axis = sweepAxis(majorAxis(inIndex));
     const int major = front.axis.major;
     const double perSlice = std::abs(inIndex[major]);
@@ -86,13 +87,15 @@ double countRaysThatEnter(const RayFront& front) {
     return count;
 }
 
-CrossingRays::CrossingRays(const RayFront& front, int channelCount) : channels(channelCount) {
+CrossingRays::CrossingRays(const RayFront& front, int channelCount, bool withFurnace) : channels(channelCount) {
     const auto face = [&](const Lateral& lateral) {
         return RayRange{lateral.low - (lateral.periodic ? 0 : front.reach), lateral.high};
     };
     columns = face(front.column);
     rows = face(front.row);
-    power.assign(std::size_t(channels) * std::size_t(rows.size()) * std::size_t(columns.size()), 0.0f);
+    const std::size_t rays = std::size_t(rows.size()) * std::size_t(columns.size());
+    power.assign(std::size_t(channels) * rays, 0.0f);
+    if (withFurnace) furnace.assign(rays, -1.0f);
 }
 
 RayFront nextRepetition(const RayFront& front) {

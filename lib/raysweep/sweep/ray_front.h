@@ -9,14 +9,10 @@
 #include "raysweep/sweep/axis.h"
 #include "raysweep/volume/bricks.h"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace raysweep {
-
-/// Axes (x, y, z) of index space along which the bricks' bounding box repeats.
-using Periodic = std::array<bool, 3>;
 
 /// One lateral coordinate of the front.
 struct Lateral {
@@ -42,6 +38,7 @@ struct RayFront {
     int firstSlice = 0;       ///< major coordinate of the first slice met
     int slices = 0;           ///< number of slices of the volume
     Lateral column, row;      ///< u and v
+    Vec3 direction{0};        ///< of travel, unit, world
     double stepLength = 0;    ///< world length of a ray in a slice
     double crossSection = 0;  ///< world area per ray, perpendicular to the direction
     int reach = 0;            ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
@@ -78,17 +75,25 @@ double countRaysThatEnter(const RayFront& front);
 /// All ray coordinates that occur along one lateral axis.
 RayRange rayExtent(const RayFront& front, const Lateral& lateral);
 
-/// Power of the rays between one repetition of a periodic volume and the next along the sweep's axis; (column, row) are
-/// the lattice coordinates they will have there, in the front `nextRepetition`.
+/// Power of the rays (and their local furnace) between one repetition of a periodic volume and the next along the
+/// sweep's axis; (column, row) are the lattice coordinates they will have there, in the front `nextRepetition`.
 struct CrossingRays {
     RayRange columns, rows;
     int channels = 0;
     std::vector<float> power;
+    std::vector<float> furnace;  ///< negative for rays that are outside of all surfaces; empty if not measured
 
     CrossingRays() = default;
-    CrossingRays(const RayFront& front, int channelCount);
+    CrossingRays(const RayFront& front, int channelCount, bool withFurnace);
     float& at(int channel, int row, int column) {
-        return power[std::size_t((channel * rows.size() + row - rows.begin) * columns.size() + column - columns.begin)];
+        return power[std::size_t(channel) * std::size_t(rows.size()) * std::size_t(columns.size()) +
+                     index(row, column)];
+    }
+    float& furnaceAt(int row, int column) { return furnace[index(row, column)]; }
+
+  private:
+    std::size_t index(int row, int column) const {
+        return std::size_t((row - rows.begin) * columns.size() + column - columns.begin);
     }
 };
 

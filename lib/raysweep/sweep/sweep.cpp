@@ -53,7 +53,11 @@ double powerOf(const CrossingRays& rays) {
 SweepTotals sweepAround(const SweepVolume& volume, RayFront front, Interpolation interpolation, ExchangeFields fields,
                         ExchangeStep step) {
     alignas(64) static const float kNothing[kBrickVoxels] = {0};
-    CrossingRays arriving(front, fields.channels), leaving(front, fields.channels);
+    // In the first round nobody knows what rays come out of the repetition before as: the second one measures.
+    const BrickView<float> furnace = fields.furnace;
+    BrickField unused;
+    if (furnace.data) fields.furnace = viewOf(unused = BrickField(fields.surfaces->bricks.size()));
+    CrossingRays arriving(front, fields.channels, furnace.data), leaving(front, fields.channels, furnace.data);
     fields.arriving = &arriving;
     fields.leaving = &leaving;
     SweepTotals totals = sweepThrough(volume, front, interpolation, fields, step);
@@ -63,9 +67,11 @@ SweepTotals sweepAround(const SweepVolume& volume, RayFront front, Interpolation
         fields.source[c] = {kNothing, 0};
     }
     const double first = powerOf(leaving);
-    for (int i = 0; i < kMostRepetitions && powerOf(leaving) > kSpent * first; ++i) {
+    const auto goesOn = [&](int i) { return powerOf(leaving) > kSpent * first || (i == 0 && furnace.data); };
+    for (int i = 0; i < kMostRepetitions && goesOn(i); ++i) {
         std::swap(arriving, leaving);
-        std::fill(leaving.power.begin(), leaving.power.end(), 0.0f);
+        leaving = CrossingRays(front, fields.channels, i == 0 && furnace.data);
+        fields.furnace = i == 0 ? furnace : BrickView<float>();
         front = nextRepetition(front);
         const SweepTotals more = sweepThrough(volume, front, interpolation, fields, step);
         for (int c = 0; c < fields.channels; ++c) totals.escaped[c] += more.escaped[c];

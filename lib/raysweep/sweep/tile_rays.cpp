@@ -4,15 +4,18 @@
 
 namespace raysweep {
 
-TileRays::TileRays(const RayTile& tile, int channels)
+TileRays::TileRays(const RayTile& tile, int channels, bool furnace)
     : columns_(tile.columns.size()),
       rows_(tile.rows.size()),
+      channels_(channels),
+      furnace_(furnace),
       stride_(std::size_t(columns_ + 2 * kPad)),
       plane_(stride_ * std::size_t(rows_)),
-      energy_(plane_ * std::size_t(channels), 0.0f) {}
+      energy_(plane_ * std::size_t(channels + (furnace ? 2 : 0)), 0.0f) {}
 
 void TileRays::enter(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
                      TileSums& sums) {
+    if (furnace_) std::fill_n(energy_.end() - std::ptrdiff_t(plane_), plane_, kLongAgo);
     for (int r = 0; r < rows_; ++r) {
         const RayRange enters = raysThatEnter(front, tile.rows.begin + r);
         const int begin = std::max(enters.begin - tile.columns.begin, 0);
@@ -47,10 +50,15 @@ void TileRays::arrive(const RayFront& front, const RayTile& tile, CrossingRays& 
     const RayRange columns = inBoth(front.column, tile.columns), rows = inBoth(front.row, tile.rows);
     for (int r = rows.begin; r < rows.end; ++r) {
         sums.rays -= columns.size();
+        const int local = r - tile.rows.begin;
+        for (int u = columns.begin; furnace_ && !arriving.furnace.empty() && u < columns.end; ++u) {
+            const float f = arriving.furnaceAt(r, u);
+            furnaceRow(local)[u - tile.columns.begin] = f;
+            sliceRow(local)[u - tile.columns.begin] = f < 0 ? kLongAgo : -1.0f;
+        }
         for (int c = 0; c < arriving.channels; ++c)
             for (int u = columns.begin; u < columns.end; ++u)
-                row(r - tile.rows.begin)[std::size_t(c) * plane_ + std::size_t(u - tile.columns.begin)] =
-                    arriving.at(c, r, u);
+                row(local)[std::size_t(c) * plane_ + std::size_t(u - tile.columns.begin)] = arriving.at(c, r, u);
     }
 }
 
@@ -62,6 +70,9 @@ void TileRays::goOn(const RayFront& front, const RayTile& tile, CrossingRays& le
         for (int u = 0; u < columns_; ++u) {
             const int there = rayInNextRepetition(front, front.column, tile.columns.begin + u);
             if (there < leaving.columns.begin || there >= leaving.columns.end) continue;
+            if (furnace_)
+                leaving.furnaceAt(rowThere, there) =
+                    sliceRow(r)[u] >= float(front.slices - 1 - kSurfaceGap) ? furnaceRow(r)[u] : -1.0f;
             for (int c = 0; c < leaving.channels; ++c) {
                 float& ray = row(r)[std::size_t(c) * plane_ + std::size_t(u)];
                 leaving.at(c, rowThere, there) = ray;

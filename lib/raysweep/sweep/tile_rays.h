@@ -12,10 +12,15 @@ namespace raysweep {
 /// Energies of a tile's rays, in rows that are padded on both sides by what a brick may overhang.
 class TileRays {
   public:
-    TileRays(const RayTile& tile, int channels);
+    /// @param furnace rays carry the local furnace as well
+    TileRays(const RayTile& tile, int channels, bool furnace);
 
     /// Rays of a row of the tile; the next channel's are `planeStride` on.
     float* row(int row) { return energy_.data() + std::size_t(row) * stride_ + kPad; }
+    /// f of the rays of a row, and the slice for which it holds: that after the last one where the ray was in a
+    /// surface.
+    float* furnaceRow(int row) { return this->row(row) + std::size_t(channels_) * plane_; }
+    float* sliceRow(int row) { return this->row(row) + std::size_t(channels_ + 1) * plane_; }
     int columns() const { return columns_; }
     int rows() const { return rows_; }
     std::size_t planeStride() const { return plane_; }
@@ -32,7 +37,8 @@ class TileRays {
     void arrive(const RayFront& front, const RayTile& tile, CrossingRays& arriving, TileSums& sums);
     void goOn(const RayFront& front, const RayTile& tile, CrossingRays& leaving);
 
-    int columns_, rows_;
+    int columns_, rows_, channels_;
+    bool furnace_;
     std::size_t stride_, plane_;
     std::vector<float> energy_;
 };

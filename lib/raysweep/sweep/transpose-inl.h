@@ -16,15 +16,17 @@ namespace HWY_NAMESPACE {
 namespace {
 
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void transposePlane(const float* HWY_RESTRICT from, float* HWY_RESTRICT to) {
+template <class T>
+HWY_INLINE void transposePlane(const T* HWY_RESTRICT from, T* HWY_RESTRICT to) {
     for (int i = 0; i < kBrickEdge; ++i)
         for (int j = 0; j < kBrickEdge; ++j) to[8 * i + j] = from[8 * j + i];
 }
 #else
 /// 8x8 transpose in 4x4 blocks: to[8 i + j] = from[8 j + i].
-HWY_INLINE void transposePlane(const float* HWY_RESTRICT from, float* HWY_RESTRICT to) {
+template <class T>
+HWY_INLINE void transposePlane(const T* HWY_RESTRICT from, T* HWY_RESTRICT to) {
     namespace hn = hwy::HWY_NAMESPACE;
-    using Quad = hn::CappedTag<float, 4>;
+    using Quad = hn::CappedTag<T, 4>;
     constexpr Quad quad;
     const hn::Repartition<double, Quad> pair;
     for (int i = 0; i < kBrickEdge; i += 4)
@@ -44,7 +46,8 @@ HWY_INLINE void transposePlane(const float* HWY_RESTRICT from, float* HWY_RESTRI
 #endif
 
 /// Planes [first, last] of a brick; a plane is 64 values of one x.
-HWY_INLINE void transposePlanes(const float* from, float* to, int first, int last) {
+template <class T>
+HWY_INLINE void transposePlanes(const T* from, T* to, int first, int last) {
     for (int x = first; x <= last; ++x) transposePlane(from + 64 * x, to + 64 * x);
 }
 

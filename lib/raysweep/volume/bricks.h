@@ -4,6 +4,7 @@
 
 #include "raysweep/core/types.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
@@ -14,6 +15,9 @@ namespace raysweep {
 
 constexpr int kBrickEdge = 8;      ///< voxels along a brick's edge, as in an OpenVDB leaf
 constexpr int kBrickVoxels = 512;  ///< voxels in a brick; offset (x<<6)|(y<<3)|z, as in an OpenVDB leaf
+
+/// Axes (x, y, z) of index space along which the bricks' bounding box repeats.
+using Periodic = std::array<bool, 3>;
 
 /// Where the bricks are.
 struct BrickLayout {

@@ -14,6 +14,7 @@ struct Medium {
     openvdb::GridBase::ConstPtr albedoGrid;  ///< FloatGrid or Vec3SGrid, in [0,1], 0 where inactive; may be null
     openvdb::GridBase::ConstPtr emission;    ///< FloatGrid or Vec3SGrid, emitted power density, W/world unit^3; or null
     double emissionScale = 1;                ///< factor on `emission`
+    bool solid = false;  ///< a classified solid, which has surfaces (a ramp, a table, a level set), not a fog
 };
 
 }  // namespace raysweep

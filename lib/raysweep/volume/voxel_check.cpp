@@ -41,6 +41,9 @@ Vec3s changed(const Change& change, const Vec3s& v) {
 bool isUsable(float v) {
     return v >= 0.0f && std::isfinite(v);
 }
+bool isFinite(float v) {
+    return std::isfinite(v);
+}
 bool isFraction(float v) {
     return v >= 0.0f && v <= 1.0f;
 }
@@ -50,6 +53,9 @@ bool fitsHalf(float v) {
 
 float zeroUnlessUsable(float v) {
     return isUsable(v) ? v : 0.0f;
+}
+float zeroUnlessFinite(float v) {
+    return isFinite(v) ? v : 0.0f;
 }
 float clampedToHalf(float v) {
     return fitsHalf(v) ? v : std::copysign(kLargestHalf, v);
@@ -132,10 +138,11 @@ std::size_t changeBad(GridT& grid, const Good& good, const Change& change) {
     return count;
 }
 
+constexpr const char* kRemedy = "repair the file, or use --repair to set such voxels to 0";
+
 template <class GridT>
 void requireUsable(const GridT& grid, const std::string& what) {
-    requireAll(grid, isUsable, what, "negative, infinite or not a number",
-               "repair the file, or use --repair to set such voxels to 0");
+    requireAll(grid, isUsable, what, "negative, infinite or not a number", kRemedy);
 }
 
 template <class GridT>
@@ -162,6 +169,14 @@ std::size_t repairVoxels(FloatGrid& grid) {
 }
 std::size_t repairVoxels(Vec3SGrid& grid) {
     return changeBad(grid, isUsable, zeroUnlessUsable);
+}
+
+void checkFinite(const FloatGrid& grid, const std::string& what) {
+    requireAll(grid, isFinite, what, "infinite or not a number", kRemedy);
+}
+
+std::size_t repairNotFinite(FloatGrid& grid) {
+    return changeBad(grid, isFinite, zeroUnlessFinite);
 }
 
 void checkAlbedo(const openvdb::GridBase& grid, const std::string& what) {

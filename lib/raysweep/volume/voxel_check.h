@@ -22,6 +22,11 @@ void checkVoxels(const openvdb::Vec3SGrid& grid, const std::string& what);
 std::size_t repairVoxels(openvdb::FloatGrid& grid);
 std::size_t repairVoxels(openvdb::Vec3SGrid& grid);
 
+/// The same two for values that may be negative, since a transfer function classifies them: refused are NaN and
+/// infinity.
+void checkFinite(const openvdb::FloatGrid& grid, const std::string& what);
+std::size_t repairNotFinite(openvdb::FloatGrid& grid);
+
 /// Checks that all active values of an albedo, a FloatGrid or Vec3SGrid, are in [0,1].
 /// @throw InvalidArgument as checkVoxels does, and if the grid has another type.
 void checkAlbedo(const openvdb::GridBase& grid, const std::string& what = "albedo");

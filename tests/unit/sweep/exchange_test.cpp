@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "raysweep/sweep/brick_map.h"
 #include "raysweep/sweep/directions.h"
 #include "raysweep/sweep/sweep.h"
+#include "raysweep/volume/brick_map.h"
 
 using namespace raysweep;
 
@@ -27,6 +27,12 @@ struct Volume {
         };
         fill(tau, 1e-4, 20);
         for (std::size_t b = 0; b < bricks; ++b) tau.brick(b)[17] = 0;
+        // Some voxels are surfaces, in some bricks.
+        for (std::size_t b = 0; b < bricks; b += 2) {
+            PackedNormal* const normals = addSurfaceBrick(surfaces, bricks, b);
+            for (int i = 0; i < kBrickVoxels; ++i)
+                if (uniform01(random) < 0.3) normals[i] = packNormal(sphericalFibonacci(64)[std::size_t(i) % 64]);
+        }
         for (int c = 0; c < channels; ++c) {
             fill(albedo[c], 0.1, 1);
             fill(source[c], 1e-3, 0.1);
@@ -47,6 +53,7 @@ struct Volume {
     ExchangeFields fields() {
         ExchangeFields views;
         views.channels = channels;
+        views.surfaces = &surfaces;
         views.tau = viewOf(tau);
         for (int c = 0; c < channels; ++c) {
             views.albedo[c] = viewOf(albedo[c]);
@@ -61,6 +68,7 @@ struct Volume {
     int channels;
     SweepVolume sweepVolume;
     Escape escape;
+    Surfaces surfaces;
     BrickField tau, albedo[3], source[3], unshot[3], deposit[3], fresh[3];
 };
 
@@ -69,9 +77,17 @@ struct VoxelTerms {
     double opacity, shot, g;
 };
 
-VoxelTerms termsOf(const ExchangeStep& step, double tau, double albedo) {
+VoxelTerms termsOf(const ExchangeStep& step, PackedNormal normal, double tau, double albedo) {
     const double along = tau * double(step.stepScale), opacity = -std::expm1(-along);
-    if (step.model == MediumExchange::paper) return {opacity, double(step.zeta), albedo};
+    if (normal != 0) {
+        const double cosine = unpackNormal(normal).dot(
+            Vec3(double(step.direction[0]), double(step.direction[1]), double(step.direction[2])));
+        const bool paper = step.model == ExchangeModel::paper;
+        const double shot = paper ? double(step.zeta) : std::min(1.0, 4 * double(step.zeta));
+        if (cosine > 0) return {0, shot * std::min(1.0, cosine), albedo};
+        return {opacity * (paper ? std::min(1.0, -cosine) : 1), 0, albedo};
+    }
+    if (step.model == ExchangeModel::paper) return {opacity, double(step.zeta), albedo};
     const double p = step.escape.numerator(tau) / step.escape.denominator(tau);
     const double ratio = along > 0 ? opacity / along : 1;
     return {opacity, std::min(1.0, double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
@@ -121,8 +137,9 @@ struct PlainSweep {
                 const std::uint32_t b = map.find(voxel);
                 if (b == kNoBrick) continue;
                 const std::size_t i = offsetInBrick(voxel);
-                const VoxelTerms terms =
-                    termsOf(step, double(volume.tau.brick(b)[i]), double(volume.albedo[channel].brick(b)[i]));
+                const PackedNormal* const normals = volume.surfaces.normals(b);
+                const VoxelTerms terms = termsOf(step, normals ? normals[i] : 0, double(volume.tau.brick(b)[i]),
+                                                 double(volume.albedo[channel].brick(b)[i]));
                 double& U = unshot[b * kBrickVoxels + i];
                 const double out = U * terms.shot;
                 double in = 0;
@@ -141,7 +158,7 @@ struct PlainSweep {
     }
 };
 
-void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, MediumExchange model, int channels) {
+void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, ExchangeModel model, int channels) {
     Volume volume(channels);
     const bool linear = interpolation == Interpolation::linear;
     const RayFront front = parallelFront(volume.sweepVolume.layout, direction, linear ? 1 : 0, 0.31, 0.77, {});
@@ -149,6 +166,7 @@ void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, Mediu
     step.model = model;
     step.escape = volume.escape.fit();
     step.stepScale = float(front.stepLength / volume.escape.meanStepLength());
+    for (int axis = 0; axis < 3; ++axis) step.direction[axis] = float(front.direction[axis]);
     for (int c = 0; c < channels; ++c) step.entering[c] = 0.5f + 0.25f * float(c);
     std::vector<PlainSweep> plain;
     for (int c = 0; c < channels; ++c) {
@@ -185,7 +203,7 @@ TEST(Exchange, AgreesWithItsFormulasAlongAllAxes) {
             direction[(major + 1) % 3] = signs & 2 ? 0.6 : -0.3;
             direction[(major + 2) % 3] = signs & 4 ? 0.9 : -0.45;
             for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
-                for (const MediumExchange model : {MediumExchange::consistent, MediumExchange::paper})
+                for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper})
                     for (const int channels : {1, 3}) expectSameAsPlain(direction, interpolation, model, channels);
         }
 }
@@ -197,12 +215,12 @@ TEST(Exchange, EffectiveAlbedoOfAConservativeVoxelIsOneAtAnyDepth) {
         tau[i] = std::pow(10.0f, float(i) * 18 / kBrickVoxels - 9);
         albedo[i] = 1;
     }
-    for (const MediumExchange model : {MediumExchange::consistent, MediumExchange::paper}) {
-        effectiveAlbedos(model, fit, tau, albedo, g);
+    for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper}) {
+        effectiveAlbedos(model, fit, nullptr, tau, albedo, g);
         for (int i = 0; i < kBrickVoxels; ++i) EXPECT_LE(std::abs(g[i] - 1), 1.2e-7) << "optical depth " << tau[i];
     }
     for (int i = 0; i < kBrickVoxels; ++i) albedo[i] = 0.7f;
-    effectiveAlbedos(MediumExchange::consistent, fit, tau, albedo, g);
+    effectiveAlbedos(ExchangeModel::consistent, fit, nullptr, tau, albedo, g);
     for (int i = 0; i < kBrickVoxels; ++i) {
         const double p = fit.numerator(double(tau[i])) / fit.denominator(double(tau[i]));
         EXPECT_LE(std::abs(double(g[i]) / effectiveAlbedo(double(albedo[i]), p) - 1), 1e-6) << tau[i];

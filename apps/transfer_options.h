@@ -1,0 +1,28 @@
+/// The options --ramp and --transfer, which `light` and `render` share.
+#pragma once
+
+#include "cli.h"
+
+#include "raysweep/volume/transfer_function.h"
+
+#include <optional>
+
+namespace raysweep::apps {
+
+/// What the user typed; empty text: not given.
+struct TransferArguments {
+    std::string ramp, table;
+
+    bool given() const { return !ramp.empty() || !table.empty(); }
+};
+
+/// Adds both; they exclude each other and `extinction`, the option that they stand for.
+void addTransferOptions(CLI::App& app, TransferArguments& arguments, CLI::Option* extinction);
+
+/// The ramp that was typed, if one was. @throw CLI::ValidationError
+std::optional<TransferFunction> parseRamp(const TransferArguments& arguments);
+
+/// The function that was asked for, if one was. @throw CLI::ValidationError for the ramp, IoError for the file
+std::optional<TransferFunction> transferFunction(const TransferArguments& arguments);
+
+}  // namespace raysweep::apps

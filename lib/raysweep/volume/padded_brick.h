@@ -1,0 +1,56 @@
+/// A brick with what is around it.
+#pragma once
+
+#include "raysweep/volume/brick_map.h"
+#include "raysweep/volume/bricks.h"
+
+namespace raysweep {
+
+/// A brick's values and those of the voxels around it (where the volume repeats, of its other end); 0 where there are
+/// none.
+template <class T>
+struct PaddedBrick {
+    T value[kBrickEdge + 2][kBrickEdge + 2][kBrickEdge + 2] = {};
+
+    /// @param valuesOf gives the 512 values of a brick by its number, or null if it has none
+    template <class ValuesOf>
+    PaddedBrick(const BrickLayout& layout, const BrickMap& map, const Periodic& periodic, std::size_t b,
+                const ValuesOf& valuesOf) {
+        for (int i = -1; i <= 1; ++i)
+            for (int j = -1; j <= 1; ++j)
+                for (int k = -1; k <= 1; ++k) {
+                    const Index3 side(i, j, k);
+                    const std::uint32_t neighbour = map.find(neighbourOrigin(layout, periodic, b, side));
+                    const T* const from = neighbour == kNoBrick ? nullptr : valuesOf(neighbour);
+                    if (from) copyFrom(from, side);
+                }
+    }
+
+    /// Value of voxel (x,y,z) of the brick, each in [-1, 8].
+    const T& at(int x, int y, int z) const { return value[x + 1][y + 1][z + 1]; }
+
+  private:
+    static Index3 neighbourOrigin(const BrickLayout& layout, const Periodic& periodic, std::size_t b,
+                                  const Index3& side) {
+        Index3 origin = layout.origins[b] + side * kBrickEdge;
+        for (int axis = 0; axis < 3; ++axis) {
+            if (!periodic[std::size_t(axis)]) continue;
+            if (origin[axis] < layout.low[axis]) origin[axis] = layout.high[axis] - kBrickEdge;
+            if (origin[axis] >= layout.high[axis]) origin[axis] = layout.low[axis];
+        }
+        return origin;
+    }
+
+    /// Takes the voxels of the neighbour on `side` that touch the brick.
+    void copyFrom(const T* from, const Index3& side) {
+        const auto first = [&](int axis) { return side[axis] < 0 ? kBrickEdge - 1 : 0; };
+        const auto last = [&](int axis) { return side[axis] > 0 ? 0 : kBrickEdge - 1; };
+        const Index3 to = side * kBrickEdge + Index3(1);
+        for (int x = first(0); x <= last(0); ++x)
+            for (int y = first(1); y <= last(1); ++y)
+                for (int z = first(2); z <= last(2); ++z)
+                    value[x + to.x][y + to.y][z + to.z] = from[x << 6 | y << 3 | z];
+    }
+};
+
+}  // namespace raysweep
