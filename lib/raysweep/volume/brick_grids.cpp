@@ -32,18 +32,6 @@ void forEachActiveBlock(const GridType& grid, const Visit& visit) {
     for (; tile; ++tile) visit(tile.getBoundingBox());
 }
 
-/// Calls `visit` with the grid as what it is. @throw InvalidArgument for other types.
-template <class Visit>
-void withTypedGrid(const openvdb::GridBase& grid, const Visit& visit) {
-    if (grid.isType<openvdb::FloatGrid>())
-        visit(static_cast<const openvdb::FloatGrid&>(grid));
-    else if (grid.isType<openvdb::Vec3SGrid>())
-        visit(static_cast<const openvdb::Vec3SGrid&>(grid));
-    else
-        throw InvalidArgument("grid '" + grid.getName() + "' is of type " + grid.type() +
-                              "; only float and vec3s grids can be used here");
-}
-
 std::size_t brickCountOf(const openvdb::CoordBBox& box) {
     const openvdb::Coord size = box.dim();
     return (std::size_t(size.x()) / kBrickEdge) * (std::size_t(size.y()) / kBrickEdge) *
@@ -54,15 +42,6 @@ void addBricks(const openvdb::CoordBBox& box, std::vector<Index3>& origins) {
     for (int x = box.min().x(); x <= box.max().x(); x += kBrickEdge)
         for (int y = box.min().y(); y <= box.max().y(); y += kBrickEdge)
             for (int z = box.min().z(); z <= box.max().z(); z += kBrickEdge) origins.emplace_back(x, y, z);
-}
-
-void requireMemory(std::size_t bricks, std::size_t bytesPerVoxel) {
-    const double needed = double(bricks) * kBrickVoxels * double(bytesPerVoxel);
-    const double available = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-    if (needed > available)
-        throw InvalidArgument("the volume's " + std::to_string(bricks) + " blocks of 8x8x8 voxels need " +
-                              std::to_string(std::size_t(needed / 1e9)) + " GB, this machine has " +
-                              std::to_string(std::size_t(available / 1e9)) + " GB; use a coarser grid");
 }
 
 Matrix3 linearPart(const openvdb::GridBase& grid) {
@@ -121,6 +100,15 @@ BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert
 
 }  // namespace
 
+void requireMemory(double bricks, std::size_t bytesPerVoxel) {
+    const double needed = bricks * kBrickVoxels * double(bytesPerVoxel);
+    const double available = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+    if (needed > available)
+        throw InvalidArgument("the volume's " + std::to_string(std::size_t(bricks)) + " blocks of 8x8x8 voxels need " +
+                              std::to_string(std::size_t(needed / 1e9)) + " GB, this machine has " +
+                              std::to_string(std::size_t(available / 1e9)) + " GB; use a coarser grid");
+}
+
 BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, std::size_t bytesPerVoxel) {
     BrickLayout layout;
     layout.worldFromIndex = linearPart(*grids.front());
@@ -133,7 +121,7 @@ BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, 
         withTypedGrid(*grid, [&](const auto& typed) {
             std::size_t bricks = 0;
             forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bricks += brickCountOf(box); });
-            requireMemory(bricks, bytesPerVoxel);
+            requireMemory(double(bricks), bytesPerVoxel);
             layout.origins.reserve(layout.origins.size() + bricks);
             forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { addBricks(box, layout.origins); });
         });
@@ -141,7 +129,7 @@ BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, 
     std::sort(layout.origins.begin(), layout.origins.end(), lessOrigin);
     layout.origins.erase(std::unique(layout.origins.begin(), layout.origins.end()), layout.origins.end());
 
-    requireMemory(layout.origins.size(), bytesPerVoxel);
+    requireMemory(double(layout.origins.size()), bytesPerVoxel);
 
     if (layout.origins.empty()) return layout;
     layout.low = layout.high = layout.origins.front();

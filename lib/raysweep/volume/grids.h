@@ -2,6 +2,8 @@
 /// happens once, in grids.cpp; every other unit includes this header and nothing else of OpenVDB's grid headers.
 #pragma once
 
+#include "raysweep/core/error.h"
+
 #include <openvdb/openvdb.h>
 
 extern template class openvdb::tree::Tree<openvdb::tree::RootNode<
@@ -15,5 +17,15 @@ namespace raysweep {
 
 /// Registers the grid types with OpenVDB; cheap to call again. Call it before reading or writing files.
 void initializeGrids();
+
+/// Calls `visit` with the grid as the type that it is, and returns what it returns.
+/// @throw InvalidArgument if that is neither FloatGrid nor Vec3SGrid.
+template <class Visit>
+auto withTypedGrid(const openvdb::GridBase& grid, const Visit& visit) {
+    if (grid.isType<openvdb::FloatGrid>()) return visit(static_cast<const openvdb::FloatGrid&>(grid));
+    if (grid.isType<openvdb::Vec3SGrid>()) return visit(static_cast<const openvdb::Vec3SGrid&>(grid));
+    throw InvalidArgument("grid '" + grid.getName() + "' is of type " + grid.type() +
+                          "; only float and vec3s grids can be used here");
+}
 
 }  // namespace raysweep
