@@ -192,6 +192,13 @@ VdbFile withoutLight(const VdbFile& file) {
     return rest;
 }
 
+void requireOriginal(const VdbFile& file) {
+    if (file.metadata[kExportKey])
+        throw InvalidArgument("'" + file.path +
+                              "' was written by raysweep export: its grids are moved by half a voxel, for Blender; use "
+                              "the file it was made from");
+}
+
 ThreadLimit start(const CommonOptions& options) {
     if (!options.reportFile.empty()) requireWritable(options.reportFile);
     return ThreadLimit(options.threads);

@@ -60,6 +60,12 @@ openvdb::FloatGrid::Ptr writtenExtinction(const VdbFile& file);
 /// The grids of `file` without those that `raysweep light` adds: radiosity, unshot, and extinction if it wrote one.
 VdbFile withoutLight(const VdbFile& file);
 
+/// Present in the metadata of files that `raysweep export` wrote: their grids are not where they belong.
+constexpr const char* kExportKey = "raysweep_export";
+
+/// @throw InvalidArgument if `file` was written by `raysweep export`.
+void requireOriginal(const VdbFile& file);
+
 /// Every subcommand starts with this: limits the threads for as long as the result lives, and checks that the report
 /// can be written, so that long work does not end in an error that was certain at its start. @throw IoError
 ThreadLimit start(const CommonOptions& options);

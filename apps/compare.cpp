@@ -48,13 +48,19 @@ json compareVolumes(const CompareOptions& options) {
     const VdbFile a = readVdb(options.file), b = readVdb(options.reference);
     const auto gridA = selectGrid(a, options.grid), gridB = selectGrid(b, options.grid);
     const GridDifference d = compareGrids(*gridA, *gridB);
-    return {{"grid", gridB->getName()},
-            {"voxels", d.voxels},
-            {"rmse", finiteOrNull(d.rmse)},
-            {"relative_rmse", finiteOrNull(d.relativeRmse)},
-            {"psnr", finiteOrNull(d.psnr)},
-            {"max", finiteOrNull(d.max)},
-            {"max_at", {d.maxAt.x(), d.maxAt.y(), d.maxAt.z()}}};
+    json result = {{"grid", gridB->getName()},
+                   {"voxels", d.voxels},
+                   {"rmse", finiteOrNull(d.rmse)},
+                   {"relative_rmse", finiteOrNull(d.relativeRmse)},
+                   {"psnr", finiteOrNull(d.psnr)},
+                   {"max", finiteOrNull(d.max)},
+                   {"max_at", {d.maxAt.x(), d.maxAt.y(), d.maxAt.z()}}};
+    // The voxels of the two do not coincide: those of the coarser one are interpolated.
+    if (d.resampled == GridDifference::Resampled::grid)
+        result["resampled"] = options.file + " onto the voxels of " + options.reference;
+    if (d.resampled == GridDifference::Resampled::reference)
+        result["resampled"] = options.reference + " onto the voxels of " + options.file;
+    return result;
 }
 
 json compareImageFiles(const CompareOptions& options) {

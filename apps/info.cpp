@@ -38,11 +38,19 @@ json transformToJson(const openvdb::math::Transform& transform) {
     return result;
 }
 
+/// Numbers stay numbers, with all their digits.
+json valueToJson(const openvdb::Metadata& value) {
+    if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value)) return number->value();
+    if (const auto* number = dynamic_cast<const openvdb::FloatMetadata*>(&value)) return number->value();
+    if (const auto* number = dynamic_cast<const openvdb::Int32Metadata*>(&value)) return number->value();
+    return value.str();
+}
+
 /// Statistics that OpenVDB writes along are left out: they are shown as measured.
 json metadataToJson(const openvdb::MetaMap& metadata) {
     json result = json::object();
     for (auto it = metadata.beginMeta(); it != metadata.endMeta(); ++it)
-        if (it->first.rfind("raysweep_", 0) == 0) result[it->first] = it->second->str();
+        if (it->first.rfind("raysweep_", 0) == 0) result[it->first] = valueToJson(*it->second);
     return result;
 }
 
@@ -88,6 +96,12 @@ std::string indented(std::string text) {
     return result;
 }
 
+void printMetadata(const json& metadata, const std::string& indent) {
+    for (const auto& [key, value] : metadata.items())
+        std::cout << indent << key << " = " << (value.is_string() ? indented(value.get<std::string>()) : value.dump())
+                  << "\n";
+}
+
 void printGrid(const json& grid) {
     const std::string name = grid["name"];
     std::cout << (name.empty() ? "(no name)" : name) << ": " << grid["type"].get<std::string>()
@@ -106,15 +120,13 @@ void printGrid(const json& grid) {
     if (grid.contains("not_finite") && grid["not_finite"] != 0)
         std::cout << "  not finite     " << grid["not_finite"] << " voxels\n";
     std::cout << "  memory         " << joined({grid["memory_bytes"].get<double>() / (1 << 20)}) << " MiB\n";
-    for (const auto& [key, value] : grid["metadata"].items())
-        std::cout << "  " << key << " = " << indented(value.get<std::string>()) << "\n";
+    printMetadata(grid["metadata"], "  ");
 }
 
 void print(const json& info) {
     std::cout << info["file"].get<std::string>() << ": " << info["grids"].size()
               << (info["grids"].size() == 1 ? " grid" : " grids") << "\n";
-    for (const auto& [key, value] : info["metadata"].items())
-        std::cout << key << " = " << value.get<std::string>() << "\n";
+    printMetadata(info["metadata"], "");
     for (const json& grid : info["grids"]) printGrid(grid);
 }
 

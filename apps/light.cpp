@@ -5,6 +5,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/resample.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
@@ -50,14 +51,20 @@ void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const LightSc
     if (!a.transfer.ramp.empty()) text("raysweep_ramp", a.transfer.ramp);
     if (!a.transfer.table.empty()) text("raysweep_transfer", toJson(*lit.transfer));
     text("raysweep_exchange", nameOf(a.options.exchange, lit.scene.medium.solid));
-    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(lit.scene.medium.extinctionScale));
+    grid.insertMeta("raysweep_resolution", openvdb::DoubleMetadata(a.resolution));
+    // The grid `extinction` that goes with it is the whole of it.
+    const double extinction = lit.ownExtinction ? 1 : lit.scene.medium.extinctionScale;
+    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(extinction));
 }
 
 /// The extinction that was lit as a grid to be written; null where it is a multiple of a grid of the input.
 openvdb::GridBase::Ptr extinctionGrid(const LightArguments& a, const LightScene& lit) {
-    if (!lit.transfer) return nullptr;
+    if (!lit.ownExtinction) return nullptr;
     const openvdb::FloatGrid::Ptr grid = lit.scene.medium.density->deepCopy();
     voxelizeTiles(*grid);
+    const auto scale = float(lit.scene.medium.extinctionScale);
+    if (scale != 1)
+        for (auto on = grid->beginValueOn(); on; ++on) on.setValue(*on * scale);
     setMetadata(*grid, a, lit);
     return grid;
 }
@@ -129,6 +136,7 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         {"peak_bytes", a.peakBytes},
         {"voxels_thick_share", lit.thickShare},
         {"voxels_surface", lit.surfaceVoxels},
+        {"resolution", a.resolution},
         {"options", a.commandLine}};
     if (scene.skySuns) {
         json["sky_suns"] = scene.skySuns->count;
@@ -143,17 +151,26 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
     return json;
 }
 
-void explain(const LightScene& scene, const IlluminateOptions& options) {
-    scene.scene.validate();
-    for (const std::string& reason : reasonsOf(scene, planIllumination(scene.scene, options)))
-        std::cout << reason << "\n";
-}
-
 /// A number as people write it, with two digits.
 std::string brief(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%.2g", value);
     return text;
+}
+
+/// What --resolution means for this scene.
+std::string describeResolution(const LightArguments& a, const Scene& scene, const Scene& solved) {
+    return "resolution " + brief(a.resolution) + ": solved on voxels " + brief(1 / a.resolution) + " times as long, " +
+           std::to_string(solved.medium.density->activeVoxelCount()) + " instead of " +
+           std::to_string(scene.medium.density->activeVoxelCount()) + " active ones; radiosity is " +
+           (a.upsample ? "interpolated to the voxels of the input" : "written on the longer voxels");
+}
+
+/// What will be modelled of `solved`, which is `scene` at the resolution asked for.
+Plan planFor(const LightArguments& a, const Scene& scene, const Scene& solved) {
+    Plan plan = planIllumination(solved, a.options);
+    if (a.resolution < 1) plan.reasons.push_back(describeResolution(a, scene, solved));
+    return plan;
 }
 
 void comment(const LightArguments& a, const Illumination& lit) {
@@ -164,7 +181,8 @@ void comment(const LightArguments& a, const Illumination& lit) {
         warning(a.common, brief(100 * lit.thickShare) +
                               " % of the voxels have an optical depth above 2, where the grid is too coarse to be "
                               "accurate; " +
-                              (a.transfer.given() ? "" : "a lower --extinction or ") + "finer voxels help");
+                              (a.transfer.given() ? "" : "a lower --extinction or ") +
+                              (a.resolution < 1 ? "a higher --resolution helps" : "finer voxels help"));
     if (lit.invisibleEmitters > 0)
         warning(a.common, std::to_string(lit.invisibleEmitters) +
                               " voxels emit but have no extinction: they light others but cannot be seen themselves");
@@ -183,7 +201,7 @@ void comment(const LightArguments& a, const Illumination& lit) {
 
 void warnOfSecondExtinction(const LightArguments& a, const LightScene& scene, const VdbFile& input) {
     const auto own = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "extinction"; };
-    if (scene.transfer && std::any_of(input.grids.begin(), input.grids.end(), own))
+    if (scene.ownExtinction && std::any_of(input.grids.begin(), input.grids.end(), own))
         warning(a.common,
                 "'" + input.path + "' has a grid 'extinction' of its own; the output will have two of that name");
 }
@@ -202,6 +220,27 @@ std::string optionsText(CLI::App& command, const LightArguments& a) {
     return text;
 }
 
+/// With --upsample, radiosity on the voxels of the density that was given, and one more around them.
+openvdb::GridBase::Ptr asWritten(const LightArguments& a, const Scene& scene, const openvdb::GridBase::Ptr& radiosity) {
+    return a.upsample && a.resolution < 1 ? sampledOnto(*radiosity, *scene.medium.density, 1) : radiosity;
+}
+
+/// Lights the scene at the resolution asked for, and notes how much memory that took.
+Illumination solve(LightArguments& a, const Scene& scene) {
+    resetPeak();
+    const std::size_t before = residentBytes();
+    TerminalProgress progress(a.common);
+    const Timer timer;
+    const Scene solved = atResolution(scene, a.resolution);
+    const double resampleSeconds = timer.seconds();
+    Illumination lit = illuminate(solved, a.options, progress.callback());
+    lit.plan = planFor(a, scene, solved);
+    lit.seconds.prepare += resampleSeconds;
+    const std::size_t peak = peakResidentBytes();
+    a.peakBytes = peak > before ? peak - before : 0;
+    return lit;
+}
+
 int run(LightArguments& a) {
     const ThreadLimit limit = start(a.common);
     if (!a.explain) requireWritable(a.output);
@@ -209,29 +248,27 @@ int run(LightArguments& a) {
 
     Timer timer;
     const VdbFile file = withoutLight(readVdb(a.input));
+    requireOriginal(file);
     const LightScene scene = buildScene(a, file);
     warnOfSecondExtinction(a, scene, file);
     const double readSeconds = timer.seconds();
     if (a.explain) {
-        explain(scene, a.options);
+        scene.scene.validate();
+        for (const std::string& reason :
+             reasonsOf(scene, planFor(a, scene.scene, atResolution(scene.scene, a.resolution))))
+            std::cout << reason << "\n";
         return kDone;
     }
     if (a.snapshots > 0) {
         a.options.snapshotEvery = a.snapshots;
         a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
-            writeLit(numberedName(a.output, sweep), a, scene, file, {radiosity});
+            writeLit(numberedName(a.output, sweep), a, scene, file, {asWritten(a, scene.scene, radiosity)});
         };
     }
 
-    resetPeak();
-    const std::size_t before = residentBytes();
-    TerminalProgress progress(a.common);
-    Illumination lit = illuminate(scene.scene, a.options, progress.callback());
-    const std::size_t peak = peakResidentBytes();
-    a.peakBytes = peak > before ? peak - before : 0;
-
+    const Illumination lit = solve(a, scene.scene);
     timer = Timer();
-    std::vector<openvdb::GridBase::Ptr> grids{lit.radiosity};
+    std::vector<openvdb::GridBase::Ptr> grids{asWritten(a, scene.scene, lit.radiosity)};
     if (lit.unshot) grids.push_back(lit.unshot);
     writeLit(a.output, a, scene, file, grids);
     const double writeSeconds = timer.seconds();

@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/similarity.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
@@ -56,6 +57,11 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
            "takes the place of colours of --transfer")
         ->default_str(kDefaultAlbedo)
         ->type_name("A|grid:NAME");
+    app.add_option(
+           "--g", a.g,
+           "Mean cosine of scattering (Henyey-Greenstein), in (-1,1): above 0 forwards, as in clouds; needs a grey "
+           "albedo")
+        ->capture_default_str();
     app.add_option("--emission", a.emission, "Grid of emitted power density, W/unit^3, float or vec3s")
         ->type_name("grid:NAME");
     app.add_option("--emission-scale", a.emissionScale, "Factor on --emission")->capture_default_str();
@@ -99,6 +105,11 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
     app.add_option("--quality", a.quality, "The tolerance by name: 0.03, 0.01 or 0.003; --tolerance wins")
         ->check(CLI::IsMember(kQualities).description(""))
         ->type_name("draft|preview|final");
+    app.add_option("--resolution", a.resolution,
+                   "Solve on a grid F times as fine, (0,1]: 0.5 has voxels twice as long, and takes an eighth of the "
+                   "time and memory or a little more")
+        ->type_name("F")
+        ->capture_default_str();
     app.add_option("--zeta", o.zeta, "Part of a voxel's unshot power that one sweep shoots, (0,1]")
         ->capture_default_str();
     addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "nearest|linear",
@@ -117,6 +128,9 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
 
 void addOutputOptions(CLI::App& app, LightArguments& a) {
     app.option_defaults()->group("Output");
+    app.add_flag(
+        "--upsample", a.upsample,
+        "With --resolution: interpolate radiosity to the voxels of the input, for programs that need it there");
     app.add_flag("--half", a.half, "Save radiosity and unshot as half floats: half the size, values up to 65504");
     app.add_option("--snapshots", a.snapshots,
                    "Also write the answer so far every N sweeps, as OUT_0020.vdb and so on; 0: no")
@@ -264,6 +278,7 @@ void classifyMedium(const LightArguments& a, LightScene& lit) {
     medium.density = classified.extinction;
     medium.extinctionScale = 1;
     medium.solid = true;
+    lit.ownExtinction = true;
     lit.reasons.push_back(a.transfer.ramp.empty()
                               ? "extinction: '" + lit.density + "' classified by the table '" + a.transfer.table + "'"
                               : "extinction: '" + lit.density + "' classified by the ramp " + a.transfer.ramp);
@@ -278,6 +293,25 @@ openvdb::GridBase::ConstPtr emissionFrom(const LightArguments& a, const VdbFile&
     if (!a.repair) return emission;
     if (emission->isType<openvdb::FloatGrid>()) return repaired(a, static_cast<const openvdb::FloatGrid&>(*emission));
     return repaired(a, static_cast<const openvdb::Vec3SGrid&>(*emission));
+}
+
+/// Scattering by a phase function of mean cosine g becomes isotropic scattering in a similar medium.
+void makeIsotropic(const LightArguments& a, LightScene& lit) {
+    Medium& medium = lit.scene.medium;
+    const double before = medium.extinctionScale;
+    try {
+        medium = similarIsotropicMedium(medium, a.g);
+    } catch (const InvalidArgument& e) {
+        throw InvalidArgument(std::string("--g: ") + e.what());
+    }
+    lit.ownExtinction = lit.ownExtinction || medium.albedoGrid;
+    char text[200];
+    std::snprintf(text, sizeof text, "phase function: mean cosine %.3g, by similarity as an isotropic medium", a.g);
+    lit.reasons.push_back(text);
+    if (medium.albedoGrid) return;
+    std::snprintf(text, sizeof text, " of %.4g times the extinction and albedo %.4g", medium.extinctionScale / before,
+                  double(medium.albedo.x));
+    lit.reasons.back() += text;
 }
 
 }  // namespace
@@ -306,14 +340,16 @@ void completeOptions(LightArguments& a) {
     } catch (const InvalidArgument& e) {
         usageError("options", e.what());
     }
+    if (!(a.resolution > 0 && a.resolution <= 1)) usageError("--resolution", "must be above 0 and at most 1");
     requireFactor(a.extinction, "--extinction");
     requireFactor(a.emissionScale, "--emission-scale");
     checkSky(a.sky);
     parseRamp(a.transfer);
     if (namesGrid(a.albedo))
         gridName(a.albedo, "--albedo");
-    else if (!a.albedo.empty())
-        parseAlbedo(a.albedo);
+    else if (!a.albedo.empty() && !isGrey(parseAlbedo(a.albedo)) && a.g != 0)
+        usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
+    if (!(a.g > -1 && a.g < 1)) usageError("--g", "must be above -1 and below 1");
     if (!a.emission.empty()) gridName(a.emission, "--emission");
     parseSuns(a);
     parsePoints(a);
@@ -334,6 +370,7 @@ LightScene buildScene(const LightArguments& a, const VdbFile& file) {
     else
         scene.medium.albedo = parseAlbedo(a.albedo.empty() ? kDefaultAlbedo : a.albedo);
     if (lit.transfer) classifyMedium(a, lit);
+    if (a.g != 0) makeIsotropic(a, lit);
     if (!a.emission.empty()) scene.medium.emission = emissionFrom(a, file);
     scene.medium.emissionScale = a.emissionScale;
     scene.suns = parseSuns(a);

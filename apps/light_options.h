@@ -21,9 +21,9 @@ struct LightArguments {
     SkyArguments sky;
     std::string quality;
     std::vector<std::string> suns, points, quads;
-    double extinction = 1, emissionScale = 1;
+    double extinction = 1, emissionScale = 1, resolution = 1, g = 0;
     std::optional<double> tolerance;
-    bool fromLevelSet = false, repair = false, half = false, explain = false;
+    bool fromLevelSet = false, repair = false, half = false, explain = false, upsample = false;
     int snapshots = 0;
     std::string commandLine;    ///< all options with their values, for metadata and report
     std::size_t peakBytes = 0;  ///< most memory used while solving, above what was in use before
@@ -40,6 +40,7 @@ struct LightScene {
     Scene scene;
     std::string density;  ///< the grid that was chosen, by a name that chooses it again
     std::optional<TransferFunction> transfer;
+    bool ownExtinction = false;        ///< the extinction is no multiple of that grid, so the output must hold it
     std::optional<SkySuns> skySuns;    ///< that stand for bright parts of a sky map; none without a map
     std::vector<std::string> reasons;  ///< what is modelled and why, one line each; the solver's plan has more
 };

@@ -96,6 +96,7 @@ double numberFrom(const openvdb::Metadata& metadata) {
 
 /// Finds the grids; what the user leaves open is as it was when the file was lit.
 RenderInput selectInput(const Arguments& a, const VdbFile& file) {
+    requireOriginal(file);
     openvdb::GridBase::ConstPtr radiosity;
     for (const auto& grid : file.grids)
         if (grid->getName() == "radiosity") radiosity = grid;

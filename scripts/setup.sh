@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Installs what Raysweep needs on Debian 12: only what is missing, with sudo only when not root.
+# --tests: also what only tests need.
 set -euo pipefail
 
 packages=(
@@ -9,6 +10,11 @@ packages=(
     libinsighttoolkit5-dev libdcmtk-dev zlib1g-dev
     libgtest-dev libbenchmark-dev clang-format gnuplot-nox python3
 )
+case "${1:-}" in
+    --tests) packages+=(blender) ;;
+    "") ;;
+    *) echo "usage: scripts/setup.sh [--tests]" >&2 && exit 2 ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do

@@ -39,7 +39,7 @@ expect_no_leftovers() {
 }
 
 # json FILE EXPRESSION: evaluates EXPRESSION with r = the document; for checks of numbers.
-json() { python3 -c "import json,sys; r = json.load(open(sys.argv[1])); print($2)" "$1"; }
+json() { python3 -c "import json,math,sys; r = json.load(open(sys.argv[1])); print($2)" "$1"; }
 expect_json() { [ "$(json "$1" "$2")" = True ] || fail "not true of $1: $2"; }
 
 finish() {

@@ -1,6 +1,7 @@
 /// make_volume KIND OUT.vdb: volumes for the tests of the command line that `raysweep generate` does not make, most of
 /// them with something wrong. Where nothing else is said: a box of 12x10x8 voxels of 0.1 units with density 1.
 #include "raysweep/volume/grids.h"
+#include "raysweep/volume/phantom.h"
 #include "raysweep/volume/vdb_io.h"
 
 #include <openvdb/points/PointConversion.h>
@@ -91,6 +92,20 @@ Grids materials() {
             filled<FloatGrid>("too-white", 1.5f)};
 }
 
+/// A cloud of voxels of 0.06 x 0.04 x 0.05 units, turned about an axis that is none of the grid's.
+Grids turnedCloud() {
+    raysweep::PhantomOptions options;
+    options.size = 40;
+    const FloatGrid::Ptr cloud = raysweep::makeCloud(options);
+    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+    matrix.preTranslate(Vec3d(-20, -12, -10));
+    matrix.postScale(Vec3d(0.06, 0.04, 0.05));
+    matrix *= openvdb::math::rotation<openvdb::Mat4d>(Vec3d(1, 2, 3).unit(), 0.7);
+    matrix.postTranslate(Vec3d(3, -2, 1));
+    cloud->setTransform(Transform::createLinearTransform(matrix));
+    return {cloud};
+}
+
 const std::map<std::string, std::function<Grids()>> kMakers = {
     {"plain", [] { return Grids{density()}; }},
     {"materials", materials},
@@ -125,6 +140,7 @@ const std::map<std::string, std::function<Grids()>> kMakers = {
      [] {
          return withMatrix({.1, 0, 0, 0, .05, .1, 0, 0, 0, .02, .1, 0, 0, 0, 0, 1});
      }},
+    {"turned-cloud", turnedCloud},
     {"frustum",
      [] {
          const openvdb::BBoxd box(Vec3d(0), Vec3d(12, 10, 8));

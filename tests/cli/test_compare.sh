@@ -16,8 +16,13 @@ expect_exit 1 "$raysweep" compare half.vdb one.vdb --max-rms 0.49
 expect_match "--max-rms"
 expect_output "rmse           0.5"
 
-expect_exit 1 "$raysweep" compare one.vdb large.vdb
-expect_match "transforms differ"
+# Voxels that do not coincide: the coarser grid is interpolated at the voxels of the finer, whichever comes first.
+expect_exit 0 "$raysweep" compare one.vdb large.vdb --report report.json
+expect_output "resampled      one.vdb onto the voxels of large.vdb"
+expect_json report.json "r['voxels'] == 17**3 and 0 < r['max'] < 1"
+expect_exit 0 "$raysweep" compare large.vdb one.vdb --report report.json
+expect_output "resampled      one.vdb onto the voxels of large.vdb"
+expect_json report.json "r['voxels'] == 17**3"
 expect_exit 1 "$raysweep" compare one.vdb half.vdb --grid heat
 expect_match "no grid called 'heat'"
 expect_match "density: float, fog volume, 4096 active voxels"

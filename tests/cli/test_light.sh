@@ -94,6 +94,34 @@ light cloud.vdb -o lit.vdb --extinction 8 --albedo 1 --sky 1
 expect_exit 0 "$raysweep" render lit.vdb -o furnace.exr --background 1 --size 48,48 --report picture.json
 expect_json picture.json "all(abs(m - 1) < 5e-3 for m in r['mean'][:3])"
 
+# A phase function: the similar isotropic medium is lit, said, and shown; g = 0 is isotropic scattering.
+light cloud.vdb -o lit.vdb --extinction 8 --albedo 0.9 --g 0.5 --sun 0,0,-1,3
+balanced
+expect_json report.json "'0.55 times the extinction and albedo 0.8182' in r['plan'][0]"
+light cloud.vdb -o similar.vdb --extinction 4.4 --albedo 0.8181818 --sun 0,0,-1,3
+expect_exit 0 "$raysweep" compare lit.vdb similar.vdb --grid radiosity --max-rms 1e-5
+info lit.vdb
+expect_json info.json "abs(float($grids['radiosity']['metadata']['raysweep_extinction']) - 4.4) < 1e-6"
+expect_exit 0 "$raysweep" render lit.vdb -o a.exr --size 24,24
+expect_exit 0 "$raysweep" render similar.vdb -o b.exr --size 24,24
+expect_exit 0 "$raysweep" compare a.exr b.exr --max-rms 1e-5
+light cloud.vdb -o lit.vdb --extinction 8 --g 0 --sun 0,0,-1,3
+light cloud.vdb -o plain.vdb --extinction 8 --sun 0,0,-1,3
+same_grid lit.vdb plain.vdb radiosity
+# With an albedo grid or a ramp the extinction is a grid of the output, scaled, and the picture is of that.
+light materials.vdb -o lit.vdb --extinction 3 --albedo grid:reflectance --g 0.4 --sky 1
+info lit.vdb
+expect_json info.json "abs($grids['extinction']['max'][0] - 3 * (1 - 0.5 * 0.4)) < 1e-6"
+expect_json info.json "float($grids['radiosity']['metadata']['raysweep_extinction']) == 1"
+light materials.vdb -o similar.vdb --extinction 2.4 --albedo 0.375 --sky 1
+expect_exit 0 "$raysweep" compare lit.vdb similar.vdb --grid radiosity --max-rms 1e-5
+light cloud.vdb -o lit.vdb --ramp 0.1,0.5,0.9 --albedo 0.5 --g 0.5 --sky 1
+info lit.vdb
+expect_json info.json "abs($grids['extinction']['max'][0] * 2 / 40 - 0.75 * 2.302585) < 1e-4"
+light cloud.vdb -o lit.vdb --ramp 0.1,0.5,0.9 --albedo 1 --g 0.5 --sky 1 --tolerance 0 --sweeps 600
+expect_exit 0 "$raysweep" render lit.vdb -o furnace.exr --background 1 --size 32,32 --report picture.json
+expect_json picture.json "all(abs(m - 1) < 5e-3 for m in r['mean'][:3])"
+
 # Half floats.
 light cloud.vdb -o half.vdb --extinction 8 --sun 0,0,-1,3 --half
 expect_silent
@@ -149,7 +177,8 @@ expect_match "extinktion"
 
 # Every option is documented, and the defaults shown are there.
 expect_exit 0 "$raysweep" light --help
-for option in --density --extinction --albedo --emission --emission-scale --sun --point --sky --sky-scale --exchange \
+for option in --density --extinction --albedo --emission --emission-scale --sun --point --sky --sky-scale --sky-up --sky-rotate \
+    --sky-suns --ramp --transfer --g --exchange \
     --tolerance --sweeps --zeta --interpolation --quality --remaining --half --plot --explain --threads --seed --report \
     --quiet --verbose --config; do
     expect_output " $option"

@@ -71,6 +71,8 @@ for kind in nan infinite negative; do
     expect_exit 1 "$raysweep" light ok.vdb -o again.vdb --sky 1
 done
 make materials && refuse 1 "albedo: 960 active voxels are outside [0,1]" materials.vdb --albedo grid:too-white "${to[@]}"
+refuse 1 "--g: the albedo grid 'Cd' is of type vec3s" materials.vdb --albedo grid:Cd --g 0.5 "${to[@]}"
+refuse 1 "--g: albedo: 960 active voxels are outside [0,1]" materials.vdb --albedo grid:too-white --g 0.5 "${to[@]}"
 refuse 1 "--albedo: 'materials.vdb': there is no grid called 'cd'" materials.vdb --albedo grid:cd "${to[@]}"
 refuse 1 "--emission: 'materials.vdb': there is no grid called 'fire'" materials.vdb --emission grid:fire "${to[@]}"
 
@@ -119,6 +121,10 @@ usage "--albedo" --albedo -0.1
 usage "--albedo" --albedo 0.5,0.6
 usage "--albedo" --albedo nan
 usage "--albedo: 'grid:'" --albedo grid:
+usage "--g: must be above -1 and below 1" --g 1
+usage "--g: must be above -1 and below 1" --g -1.5
+usage "--g" --g nan
+usage "--g: needs a grey albedo" --g 0.5 --albedo 0.9,0.8,0.7
 usage "--emission: 'heat': grid:NAME is needed" --emission heat
 usage "--emission-scale" --emission-scale inf
 usage "--extinction" --extinction -1

@@ -115,6 +115,17 @@ TEST(Furnace, ClassifiedVoxelsDisappear) {
     expectInvisible(furnace, expectFurnace(furnace, 1024));
 }
 
+// Solved on coarser voxels and seen in the density as it is: both must be 1.
+TEST(Furnace, CoarseVoxelsDisappear) {
+    const Furnace furnace = furnaceWith(noiseBall(16, 1e-6, 10), 0.5);
+    for (const double resolution : {0.5, 1 / 3.0, 0.7}) {
+        std::printf("  resolution %.3g\n", resolution);
+        Furnace coarse = furnace;
+        coarse.scene = atResolution(furnace.scene, resolution);
+        expectInvisible(furnace, expectFurnace(coarse, 1024));
+    }
+}
+
 TEST(Furnace, EveryWavelengthDisappears) {
     Furnace furnace = furnaceWith(noiseBall(8, 1e-3, 10));
     furnace.scene.sky.radiance = Color(0.5f, 1, 2);

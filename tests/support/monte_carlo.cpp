@@ -8,6 +8,7 @@
 #include <string>
 
 #include "raysweep/core/parallel.h"
+#include "support/phase_function.h"
 
 namespace raysweep::test {
 namespace {
@@ -345,9 +346,16 @@ void scatter(Random& random, double* direction) {
     direction[2] = 1 - 2 * s;
 }
 
+void scatter(Random& random, double g, double* direction) {
+    if (g == 0) return scatter(random, direction);
+    const double cosine = henyeyGreensteinCosine(g, random.uniform());
+    deflect(cosine, 2 * kPi * random.uniform(), direction);
+}
+
 /// Follows a packet to its end. As long as it is strong, collisions take away the absorbed part of its power; then it
 /// is absorbed whole or not at all. Both ways all power is accounted for, unlike with Russian roulette.
-void follow(const Box& box, std::vector<Cell>& cells, Packet& packet, double depth, Random& random, Totals& totals) {
+void follow(const Box& box, double g, std::vector<Cell>& cells, Packet& packet, double depth, Random& random,
+            Totals& totals) {
     const double weak = 0.25 * packet.power;
     totals.injected += packet.power;
     for (bool uncollided = true;; uncollided = false) {
@@ -367,7 +375,7 @@ void follow(const Box& box, std::vector<Cell>& cells, Packet& packet, double dep
             totals.absorbed += packet.power;
             return;
         }
-        scatter(random, packet.direction);
+        scatter(random, g, packet.direction);
         depth = -std::log(random.uniform());
     }
 }
@@ -382,7 +390,7 @@ struct Batch {
     std::uint64_t histories = 0;
 };
 
-void runBatch(const Box& box, const std::vector<Emitter>& emitters, bool evenLight, std::uint64_t perBatch,
+void runBatch(const Box& box, double g, const std::vector<Emitter>& emitters, bool evenLight, std::uint64_t perBatch,
               Random random, Batch& batch) {
     double allPower = 0;
     for (const Emitter& emitter : emitters) allPower += emitter.power;
@@ -395,7 +403,7 @@ void runBatch(const Box& box, const std::vector<Emitter>& emitters, bool evenLig
             const Sample& sample = points.next();
             emitter.start(sample, packet);
             packet.power = emitter.power / double(count);
-            follow(box, batch.cells, packet, -std::log(std::max(1 - sample[6], 1e-300)), random, batch.totals);
+            follow(box, g, batch.cells, packet, -std::log(std::max(1 - sample[6], 1e-300)), random, batch.totals);
         }
     }
 }
@@ -452,6 +460,7 @@ void validate(const McScene& scene) {
     requireAll(scene.extinction, 1e30, "extinction");
     requireAll(scene.albedo, 1, "albedo");
     requireAll(scene.emission, 1e300, "emission");
+    if (!(std::abs(scene.g) < 1)) throw std::invalid_argument("monteCarlo: g must be in (-1,1)");
 }
 
 std::vector<Cell> makeCells(const McScene& scene) {
@@ -507,7 +516,7 @@ McResult monteCarlo(const McScene& scene, std::uint64_t histories, std::uint64_t
         for (std::uint64_t& s : batchSeeds) s = seeds.bits();
         parallelFor(kBatchesAtOnce, [&](std::size_t b) {
             batches[b].cells = blank;
-            runBatch(box, emitters, scene.evenLight, perBatch, Random(batchSeeds[b]), batches[b]);
+            runBatch(box, scene.g, emitters, scene.evenLight, perBatch, Random(batchSeeds[b]), batches[b]);
         });
         for (const Batch& batch : batches) {
             statistics.add(batch);

@@ -40,6 +40,7 @@ struct McScene {
     double h = 1;                               ///< voxel edge [world unit]
     std::vector<double> extinction;             ///< per voxel [1/world unit]
     std::vector<double> albedo = {1.0};         ///< one for all voxels, or one per voxel [0,1]
+    double g = 0;                               ///< mean cosine of Henyey and Greenstein's phase function, (-1,1)
     std::vector<double> emission;               ///< per voxel, emitted power density into 4 pi [W m^-3]; may be empty
     Vec3 origin = Vec3(0, 0, 0);                ///< world position of the low corner
     bool periodicX = false, periodicY = false;  ///< what leaves on one side enters on the other: an infinite slab

@@ -12,6 +12,7 @@
 
 #include "raysweep/core/parallel.h"
 #include "support/closed_forms.h"
+#include "support/phase_function.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
@@ -304,6 +305,54 @@ TEST(MonteCarlo, HasTheSameBitsForAnyNumberOfThreads) {
     EXPECT_NE(one.fluence, other.fluence);
 }
 
+// Henyey and Greenstein: the mean of the n-th Legendre polynomial of the cosine is g^n.
+TEST(MonteCarlo, ScatteringAnglesHaveTheMomentsOfThePhaseFunction) {
+    constexpr int kCount = 1 << 20;
+    for (const double g : {-0.6, 0.0, 0.3, 0.85, 0.99}) {
+        double mean = 0, second = 0, third = 0;
+        for (int n = 0; n < kCount; ++n) {
+            const double c = henyeyGreensteinCosine(g, (n + 0.5) / kCount);
+            mean += c / kCount;
+            second += (1.5 * c * c - 0.5) / kCount;
+            third += (2.5 * c * c * c - 1.5 * c) / kCount;
+        }
+        // A midpoint rule over the cumulative distribution.
+        EXPECT_NEAR(mean, g, 1e-6) << g;
+        EXPECT_NEAR(second, g * g, 1e-6) << g;
+        EXPECT_NEAR(third, g * g * g, 1e-6) << g;
+    }
+}
+
+TEST(MonteCarlo, DeflectionTurnsByItsAngleEvenlyAround) {
+    for (const Vec3& from : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(0.6, 0, -0.8), Vec3(-0.48, 0.6, 0.64)}) {
+        Vec3 sum(0);
+        for (int n = 0; n < 8; ++n) {
+            double d[3] = {from.x, from.y, from.z};
+            deflect(0.3, 2 * kPi * n / 8, d);
+            const Vec3 to(d[0], d[1], d[2]);
+            EXPECT_NEAR(to.length(), 1, 1e-12);
+            EXPECT_NEAR(to.dot(from), 0.3, 1e-12);
+            sum += to;
+        }
+        EXPECT_LT((sum - from * (8 * 0.3)).length(), 1e-12);
+    }
+}
+
+// Slab of optical thickness 2, albedo 0.9, g 0.75, beam at normal incidence: van de Hulst, Multiple Light Scattering,
+// 1980, table 35, as quoted with MCML by Wang, Jacques and Zheng 1995, table 1.
+TEST(MonteCarlo, ForwardScatteringSlabAgreesWithTheTable) {
+    McScene scene = slabScene(2, 0.9, 8);
+    scene.g = 0.75;
+    scene.sun = beam(1);
+    const McResult result = monteCarlo(scene, 1000000, 12);
+    const double flux = result.injected.value;
+    const McTotal &back = result.escapedPerFace[4], &through = result.escapedPerFace[5];
+    EXPECT_NEAR(back.value / flux, 0.09739, 4 * back.error / flux);
+    EXPECT_NEAR(through.value / flux, 0.66096, 4 * through.error / flux);
+    EXPECT_LT(back.error / flux, 0.001);
+    EXPECT_LT(through.error / flux, 0.001);
+}
+
 TEST(MonteCarlo, RefusesScenesItCannotFollow) {
     const McScene good = uniformScene(2, 2, 2, 1, 1, 0.5);
     EXPECT_THROW(monteCarlo(good, 10, 1), std::invalid_argument);  // no light
@@ -312,6 +361,10 @@ TEST(MonteCarlo, RefusesScenesItCannotFollow) {
     bad.extinction[3] = std::numeric_limits<double>::quiet_NaN();
     EXPECT_THROW(monteCarlo(bad, 10, 1), std::invalid_argument);
     bad.extinction.pop_back();
+    EXPECT_THROW(monteCarlo(bad, 10, 1), std::invalid_argument);
+    bad = good;
+    bad.g = 1;
+    bad.sky = McSky{};
     EXPECT_THROW(monteCarlo(bad, 10, 1), std::invalid_argument);
     bad = good;
     bad.albedo = {1.5};

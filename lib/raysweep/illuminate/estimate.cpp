@@ -1,7 +1,7 @@
 #include "raysweep/illuminate/estimate.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/volume/padded_brick.h"
+#include "raysweep/illuminate/surface_radiosity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -118,49 +118,6 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
     return sum;
 }
 
-/// Whether two surface voxels belong to the same piece of surface, by their normals.
-bool agree(PackedNormal a, PackedNormal b) {
-    return b != 0 && unpackNormal(a).dot(unpackNormal(b)) > 0.5;
-}
-
-/// Light from one side falls on the outer voxels of a staircase and not on those behind them. So that it does not show,
-/// scattered light of surface voxels is averaged over their neighbours on the same surface, weighted by F: what all of
-/// them took over what all of them could have taken. Light seen directly has no staircase, and keeps its shadows sharp.
-void evenOutSurfaces(const SolverState& state, BrickField& scattered) {
-    if (state.furnace.empty()) return;
-    const BrickLayout& layout = state.volume.layout;
-    const BrickMap map(layout);
-    const auto slotOf = [&](std::size_t b) { return state.surfaces.slots[b]; };
-    BrickField even(state.surfaces.bricks.size());
-    parallelFor(layout.brickCount(), [&](std::size_t b) {
-        const PackedNormal* const own = state.surfaces.normals(b);
-        if (!own) return;
-        const Periodic& periodic = state.volume.periodic;
-        const PaddedBrick<float> values(layout, map, periodic, b, [&](std::size_t n) { return scattered.brick(n); });
-        const PaddedBrick<PackedNormal> normals(layout, map, periodic, b,
-                                                [&](std::size_t n) { return state.surfaces.normals(n); });
-        const PaddedBrick<float> weights(layout, map, periodic, b, [&](std::size_t n) {
-            return state.surfaces.normals(n) ? state.furnace.brick(slotOf(n)) : nullptr;
-        });
-        for (int i = 0; i < kBrickVoxels; ++i) {
-            if (own[i] == 0) continue;
-            double sum = 0, weight = 0;
-            for (int n = 0; n < 27; ++n) {
-                const int x = (i >> 6) + n / 9 - 1, y = ((i >> 3) & 7) + n / 3 % 3 - 1, z = (i & 7) + n % 3 - 1;
-                if (!agree(own[i], normals.at(x, y, z))) continue;
-                sum += double(weights.at(x, y, z)) * double(values.at(x, y, z));
-                weight += double(weights.at(x, y, z));
-            }
-            even.brick(slotOf(b))[i] = weight > 0 ? float(sum / weight) : 0;
-        }
-    });
-    for (std::size_t b = 0; b < layout.brickCount(); ++b) {
-        const PackedNormal* const own = state.surfaces.normals(b);
-        for (int i = 0; own && i < kBrickVoxels; ++i)
-            if (own[i] != 0) scattered.brick(b)[i] = even.brick(slotOf(b))[i];
-    }
-}
-
 }  // namespace
 
 double foldDeposits(SolverState& state, int sweeps) {
@@ -238,6 +195,7 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
         float& S = radiosity.brick(b)[i];
         S = value.isKnown(i) ? float((double(S) + value.directly(i)) * state.radianceUnit()) : kUnknown;
     });
+    fillSolids(state, radiosity);
 }
 
 }  // namespace raysweep

@@ -68,6 +68,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     SolverState state(layoutBricks(grids, bytesPerVoxel(scene, options, plan)));
     state.volume.periodic = options.periodic;
     state.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
+    state.surfaceThreshold = options.surfaceThreshold;
     state.channels = plan.channels;
 
     const BrickLayout& bricks = state.volume.layout;

@@ -16,6 +16,7 @@ struct SolverState {
     Escape escape;
     ExchangeModel exchange = ExchangeModel::consistent;
     Surfaces surfaces;
+    double surfaceThreshold = 0;
     int channels = 1;
     double powerUnit = 1;  ///< W
 
@@ -43,10 +44,10 @@ struct SolverState {
     /// A power spread over the face of a voxel and all directions.
     double voxelFace() const { return std::cbrt(volume.layout.voxelVolume) * std::cbrt(volume.layout.voxelVolume); }
     double radianceUnit() const { return powerUnit / voxelFace(); }  ///< W m^-2 sr^-1
-    /// tau from which on a voxel is opaque: one that has no surface then is the inside of a solid, if there are solids.
+    /// tau from which on a voxel without a surface is the inside of a solid, if there are solids: an opacity that would
+    /// make a surface if it began there.
     double solidTau() const {
-        constexpr double kOpacity = 0.5;  // of a cube of the voxel's volume
-        return -std::log1p(-kOpacity) * escape.meanStepLength() / std::cbrt(volume.layout.voxelVolume);
+        return -std::log1p(-surfaceThreshold) * escape.meanStepLength() / std::cbrt(volume.layout.voxelVolume);
     }
     bool hasSource() const { return !source[0].empty(); }
     BrickView<const float> albedoView(int channel) const {

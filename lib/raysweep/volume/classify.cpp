@@ -1,11 +1,11 @@
 #include "raysweep/volume/classify.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/volume/mapped_grid.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <openvdb/tools/Activate.h>
 #include <openvdb/tools/Prune.h>
-#include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,30 +14,10 @@
 namespace raysweep {
 namespace {
 
+using openvdb::Coord;
 using openvdb::FloatGrid;
-using openvdb::FloatTree;
 using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
-
-/// A grid with the active voxels and tiles of `topology`, which must be among those of `density`; their values are
-/// `valueOf` the density there.
-template <class GridType, class ValueOf>
-typename GridType::Ptr mapped(const FloatGrid& density, const FloatTree& topology, const ValueOf& valueOf) {
-    using Tree = typename GridType::TreeType;
-    using Value = typename GridType::ValueType;
-    const auto tree = std::make_shared<Tree>(topology, Value(0.0f), openvdb::TopologyCopy());
-    openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](auto& leaf, std::size_t) {
-        const auto* const from = density.tree().probeConstLeaf(leaf.origin());
-        const float tile = from ? 0 : density.tree().getValue(leaf.origin());
-        for (auto on = leaf.beginValueOn(); on; ++on) on.setValue(valueOf(from ? from->getValue(on.pos()) : tile));
-    });
-    auto tile = tree->beginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile) tile.setValue(valueOf(density.tree().getValue(tile.getCoord())));
-    const auto grid = GridType::create(tree);
-    grid->setTransform(density.transform().copy());
-    return grid;
-}
 
 bool isGreyEverywhere(const TransferFunction& function) {
     return std::all_of(function.points.begin(), function.points.end(),
@@ -54,7 +34,7 @@ TransferFunction inSinglePrecision(TransferFunction function) {
 
 FloatGrid::Ptr extinctionOf(const FloatGrid& density, const TransferFunction& function) {
     const double edge = std::cbrt(std::abs(density.transform().voxelVolume()));
-    const auto extinction = mapped<FloatGrid>(density, density.tree(), [&](float value) {
+    const auto extinction = mappedGrid<FloatGrid>(density, density.tree(), [&](float value, const Coord&) {
         return float(extinctionFromOpacity(evaluate(function, double(value)).opacity, edge));
     });
     openvdb::tools::deactivate(extinction->tree(), 0.0f);
@@ -66,7 +46,7 @@ FloatGrid::Ptr extinctionOf(const FloatGrid& density, const TransferFunction& fu
 
 template <class GridType, class ValueOf>
 openvdb::GridBase::Ptr albedoOf(const FloatGrid& density, const FloatGrid& extinction, const ValueOf& valueOf) {
-    const auto albedo = mapped<GridType>(density, extinction.tree(), valueOf);
+    const auto albedo = mappedGrid<GridType>(density, extinction.tree(), valueOf);
     openvdb::tools::prune(albedo->tree());
     albedo->setName("albedo");
     return albedo;
@@ -84,10 +64,11 @@ ClassifiedVolume classify(const FloatGrid& density, const TransferFunction& exac
     ClassifiedVolume volume{extinctionOf(density, function), nullptr};
     if (!function.coloured) return volume;
     if (isGreyEverywhere(function))
-        volume.albedo = albedoOf<FloatGrid>(density, *volume.extinction,
-                                            [&](float value) { return evaluate(function, double(value)).color.x; });
+        volume.albedo = albedoOf<FloatGrid>(density, *volume.extinction, [&](float value, const Coord&) {
+            return evaluate(function, double(value)).color.x;
+        });
     else
-        volume.albedo = albedoOf<Vec3SGrid>(density, *volume.extinction, [&](float value) {
+        volume.albedo = albedoOf<Vec3SGrid>(density, *volume.extinction, [&](float value, const Coord&) {
             const Color color = evaluate(function, double(value)).color;
             return Vec3s(color.x, color.y, color.z);
         });

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/resample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -139,6 +140,16 @@ GridDifference differenceFrom(const Sums& sums, int channels) {
     return d;
 }
 
+/// By index: the voxels coincide, the types are equal.
+GridDifference compareVoxels(const GridBase& grid, const GridBase& reference) {
+    const bool scalar = grid.isType<FloatGrid>();
+    const Sums sums =
+        scalar ? sumsOverUnion(static_cast<const FloatGrid&>(grid), static_cast<const FloatGrid&>(reference))
+               : sumsOverUnion(static_cast<const Vec3SGrid&>(grid), static_cast<const Vec3SGrid&>(reference));
+    if (sums.voxels == 0) throw InvalidArgument("cannot compare grids without any active voxel");
+    return differenceFrom(sums, scalar ? 1 : 3);
+}
+
 }  // namespace
 
 bool hasKnownValues(const GridBase& grid) {
@@ -156,14 +167,12 @@ GridDifference compareGrids(const GridBase& grid, const GridBase& reference) {
     if (!hasKnownValues(grid) || grid.type() != reference.type())
         throw InvalidArgument("cannot compare grids of type " + grid.valueType() + " and " + reference.valueType() +
                               "; both must be float, or both vec3s");
-    if (grid.transform() != reference.transform())
-        throw InvalidArgument("cannot compare grids whose transforms differ: their voxels do not coincide");
-    const bool scalar = grid.isType<FloatGrid>();
-    const Sums sums =
-        scalar ? sumsOverUnion(static_cast<const FloatGrid&>(grid), static_cast<const FloatGrid&>(reference))
-               : sumsOverUnion(static_cast<const Vec3SGrid&>(grid), static_cast<const Vec3SGrid&>(reference));
-    if (sums.voxels == 0) throw InvalidArgument("cannot compare grids without any active voxel");
-    return differenceFrom(sums, scalar ? 1 : 3);
+    if (grid.transform() == reference.transform()) return compareVoxels(grid, reference);
+    const bool referenceIsCoarser = reference.transform().voxelVolume() > grid.transform().voxelVolume();
+    GridDifference difference = referenceIsCoarser ? compareVoxels(grid, *sampledOnto(reference, grid))
+                                                   : compareVoxels(*sampledOnto(grid, reference), reference);
+    difference.resampled = referenceIsCoarser ? GridDifference::Resampled::reference : GridDifference::Resampled::grid;
+    return difference;
 }
 
 }  // namespace raysweep

@@ -77,11 +77,35 @@ TEST(CompareGrids, IsNotANumberWhereAVoxelIsNot) {
     EXPECT_TRUE(std::isnan(compareGrids(*a, *b).rmse));
 }
 
-TEST(CompareGrids, RefusesGridsWhoseVoxelsDoNotCoincide) {
+TEST(CompareGrids, RefusesWhatCannotBeCompared) {
     const FloatGrid::Ptr a = FloatGrid::create(0), b = FloatGrid::create(0);
     a->tree().setValueOn(Coord(0), 1.0f);
-    b->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    b->tree().setValueOn(Coord(0), 1.0f);
+    b->setTransform(
+        openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(8)), 0.5, 1));
     EXPECT_THROW(compareGrids(*a, *b), InvalidArgument);
     EXPECT_THROW(compareGrids(*a, *Vec3SGrid::create()), InvalidArgument);
     EXPECT_THROW(compareGrids(*FloatGrid::create(), *FloatGrid::create()), InvalidArgument);
+}
+
+// The coarse grid is 1 at x = 0 and 3 at x = 2; the fine voxels between them expect 1, 2 and 3 and find 1, 2 and 4.
+TEST(CompareGrids, InterpolatesTheCoarserWhereVoxelsDoNotCoincide) {
+    const FloatGrid::Ptr fine = FloatGrid::create(0), coarse = FloatGrid::create(0);
+    coarse->setTransform(openvdb::math::Transform::createLinearTransform(2));
+    coarse->tree().setValueOn(Coord(0), 1.0f);
+    coarse->tree().setValueOn(Coord(1, 0, 0), 3.0f);
+    fine->tree().setValueOn(Coord(0), 1.0f);
+    fine->tree().setValueOn(Coord(1, 0, 0), 2.0f);
+    fine->tree().setValueOn(Coord(2, 0, 0), 4.0f);
+    const GridDifference d = compareGrids(*coarse, *fine), e = compareGrids(*fine, *coarse);
+    EXPECT_EQ(d.resampled, GridDifference::Resampled::grid);
+    EXPECT_EQ(e.resampled, GridDifference::Resampled::reference);
+    EXPECT_EQ(d.voxels, 3u);
+    EXPECT_EQ(e.voxels, 3u);
+    EXPECT_DOUBLE_EQ(d.rmse, std::sqrt(1 / 3.0));
+    EXPECT_DOUBLE_EQ(e.rmse, d.rmse);
+    EXPECT_DOUBLE_EQ(d.relativeRmse, std::sqrt(1 / (1 + 4 + 16.0)));
+    EXPECT_DOUBLE_EQ(e.relativeRmse, std::sqrt(1 / (1 + 4 + 9.0)));
+    EXPECT_EQ(d.maxAt, Coord(2, 0, 0));
+    EXPECT_EQ(compareGrids(*fine, *fine).resampled, GridDifference::Resampled::none);
 }

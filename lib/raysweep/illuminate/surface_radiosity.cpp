@@ -1,0 +1,114 @@
+#include "raysweep/illuminate/surface_radiosity.h"
+
+#include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/estimate.h"
+#include "raysweep/volume/padded_brick.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raysweep {
+namespace {
+
+constexpr double kVisible = 0.005;  ///< what is seen of a voxel behind solid ones of this transmittance does not matter
+constexpr int kDeepest = 64;
+
+/// Whether two surface voxels belong to the same piece of surface, by their normals.
+bool agree(PackedNormal a, PackedNormal b) {
+    return b != 0 && unpackNormal(a).dot(unpackNormal(b)) > 0.5;
+}
+
+/// A value found for a voxel of a brick.
+struct Filled {
+    int voxel;
+    float value;
+};
+
+/// Means of the known neighbours of unknown voxels that can be seen `depth` voxels deep. @return true if there may be
+/// more to do in this brick
+bool fillBrick(const SolverState& state, const BrickMap& map, const BrickField& radiosity, std::size_t b, int depth,
+               std::vector<Filled>& filled) {
+    const double thickest = -std::log(kVisible) / depth;
+    const float* const tau = state.tau.brick(b);
+    const float* const own = radiosity.brick(b);
+    const auto isCandidate = [&](int i) { return own[i] < 0 && tau[i] > 0 && double(tau[i]) < thickest; };
+    bool any = false;
+    for (int i = 0; i < kBrickVoxels && !any; ++i) any = isCandidate(i);
+    if (!any && depth > 1) return false;
+    const PaddedBrick<float> values(state.volume.layout, map, state.volume.periodic, b,
+                                    [&](std::size_t n) { return radiosity.brick(n); });
+    const PaddedBrick<float> depths(state.volume.layout, map, state.volume.periodic, b,
+                                    [&](std::size_t n) { return state.tau.brick(n); });
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        // The first layer is always seen: by interpolation.
+        if (!(depth == 1 ? own[i] < 0 && tau[i] > 0 : isCandidate(i))) continue;
+        double sum = 0;
+        int count = 0;
+        for (int n = 0; n < 27; ++n) {
+            const int x = (i >> 6) + n / 9 - 1, y = ((i >> 3) & 7) + n / 3 % 3 - 1, z = (i & 7) + n % 3 - 1;
+            if (values.at(x, y, z) < 0 || depths.at(x, y, z) == 0) continue;
+            sum += double(values.at(x, y, z));
+            ++count;
+        }
+        if (count > 0) filled.push_back({i, float(sum / count)});
+    }
+    return any;
+}
+
+}  // namespace
+
+void evenOutSurfaces(const SolverState& state, BrickField& scattered) {
+    if (state.furnace.empty()) return;
+    const BrickLayout& layout = state.volume.layout;
+    const BrickMap map(layout);
+    const auto slotOf = [&](std::size_t b) { return state.surfaces.slots[b]; };
+    BrickField even(state.surfaces.bricks.size());
+    parallelFor(layout.brickCount(), [&](std::size_t b) {
+        const PackedNormal* const own = state.surfaces.normals(b);
+        if (!own) return;
+        const Periodic& periodic = state.volume.periodic;
+        const PaddedBrick<float> values(layout, map, periodic, b, [&](std::size_t n) { return scattered.brick(n); });
+        const PaddedBrick<PackedNormal> normals(layout, map, periodic, b,
+                                                [&](std::size_t n) { return state.surfaces.normals(n); });
+        const PaddedBrick<float> weights(layout, map, periodic, b, [&](std::size_t n) {
+            return state.surfaces.normals(n) ? state.furnace.brick(slotOf(n)) : nullptr;
+        });
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            if (own[i] == 0) continue;
+            double sum = 0, weight = 0;
+            for (int n = 0; n < 27; ++n) {
+                const int x = (i >> 6) + n / 9 - 1, y = ((i >> 3) & 7) + n / 3 % 3 - 1, z = (i & 7) + n % 3 - 1;
+                if (!agree(own[i], normals.at(x, y, z))) continue;
+                sum += double(weights.at(x, y, z)) * double(values.at(x, y, z));
+                weight += double(weights.at(x, y, z));
+            }
+            even.brick(slotOf(b))[i] = weight > 0 ? float(sum / weight) : 0;
+        }
+    });
+    for (std::size_t b = 0; b < layout.brickCount(); ++b) {
+        const PackedNormal* const own = state.surfaces.normals(b);
+        for (int i = 0; own && i < kBrickVoxels; ++i)
+            if (own[i] != 0) scattered.brick(b)[i] = even.brick(slotOf(b))[i];
+    }
+}
+
+void fillSolids(const SolverState& state, BrickField& radiosity) {
+    if (state.furnace.empty()) return;
+    const BrickMap map(state.volume.layout);
+    std::vector<std::size_t> bricks(state.volume.layout.brickCount());
+    for (std::size_t b = 0; b < bricks.size(); ++b) bricks[b] = b;
+    for (int depth = 1; depth <= kDeepest && !bricks.empty(); ++depth) {
+        std::vector<std::vector<Filled>> filled(bricks.size());
+        std::vector<char> more(bricks.size());
+        parallelFor(bricks.size(),
+                    [&](std::size_t i) { more[i] = fillBrick(state, map, radiosity, bricks[i], depth, filled[i]); });
+        std::vector<std::size_t> left;
+        for (std::size_t i = 0; i < bricks.size(); ++i) {
+            for (const Filled& f : filled[i]) radiosity.brick(bricks[i])[f.voxel] = f.value;
+            if (more[i]) left.push_back(bricks[i]);
+        }
+        bricks = std::move(left);
+    }
+}
+
+}  // namespace raysweep

@@ -1,0 +1,140 @@
+#include "raysweep/volume/resample.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/volume/coarsen.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/Morphology.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+
+namespace raysweep {
+namespace {
+
+using openvdb::FloatGrid;
+using openvdb::Vec3s;
+using openvdb::Vec3SGrid;
+
+float atMostOne(float v) {
+    return std::min(v, 1.0f);
+}
+Vec3s atMostOne(const Vec3s& v) {
+    return Vec3s(atMostOne(v[0]), atMostOne(v[1]), atMostOne(v[2]));
+}
+
+/// A grid of 0 with the active voxels of `shape`, tiles as voxels.
+template <class GridType, class ShapeType>
+typename GridType::Ptr withVoxelsOf(const ShapeType& shape) {
+    const auto tree = std::make_shared<typename GridType::TreeType>(
+        shape.tree(), openvdb::zeroVal<typename GridType::ValueType>(), openvdb::TopologyCopy());
+    tree->voxelizeActiveTiles();
+    const auto grid = GridType::create(tree);
+    grid->setTransform(shape.transform().copy());
+    return grid;
+}
+
+/// Sets every active voxel (there are no active tiles) to `valueAt(coordinate, accessors made by makeAccessors)`.
+template <class GridType, class MakeSampler>
+void setActive(GridType& grid, const MakeSampler& makeSampler) {
+    openvdb::tree::LeafManager<typename GridType::TreeType> leaves(grid.tree());
+    leaves.foreach ([&](auto& leaf, std::size_t) {
+        auto sample = makeSampler();  // one per leaf: samplers remember where they were, and are no use to two threads
+        for (auto on = leaf.beginValueOn(); on; ++on) on.setValue(sample(on.getCoord()));
+    });
+}
+
+/// Extinction-weighted average of the albedo: average of density x albedo over average of density.
+template <class GridType>
+typename GridType::Ptr coarseAlbedo(const GridType& albedo, const FloatGrid& density, const FloatGrid& coarseDensity,
+                                    double resolution) {
+    const auto scattering = withVoxelsOf<GridType>(density);
+    setActive(*scattering, [&] {
+        return [inAlbedo = albedo.getConstUnsafeAccessor(),
+                inDensity = density.getConstUnsafeAccessor()](const openvdb::Coord& at) {
+            typename GridType::ValueType value;
+            return inAlbedo.probeValue(at, value) ? value * inDensity.getValue(at)
+                                                  : openvdb::zeroVal<typename GridType::ValueType>();
+        };
+    });
+    const auto coarse = openvdb::gridPtrCast<GridType>(coarsened(*scattering, resolution));
+    setActive(*coarse, [&] {
+        return [inScattering = coarse->getConstUnsafeAccessor(),
+                inDensity = coarseDensity.getConstUnsafeAccessor()](const openvdb::Coord& at) {
+            const float total = inDensity.getValue(at);
+            return total > 0 ? atMostOne(inScattering.getValue(at) / total)
+                             : openvdb::zeroVal<typename GridType::ValueType>();
+        };
+    });
+    coarse->setName(albedo.getName());
+    return coarse;
+}
+
+void requireSameTransform(const openvdb::GridBase& grid, const FloatGrid& density) {
+    if (grid.transform() != density.transform())
+        throw InvalidArgument("grids '" + grid.getName() + "' and '" + density.getName() +
+                              "' have different transforms; resample one onto the other");
+}
+
+/// On the grids as they are, so that a message says where in them.
+void requireVoxels(const Medium& medium) {
+    checkVoxels(*medium.density, "density");
+    if (medium.albedoGrid) {
+        requireSameTransform(*medium.albedoGrid, *medium.density);
+        checkAlbedo(*medium.albedoGrid);
+    }
+    if (medium.emission) {
+        requireSameTransform(*medium.emission, *medium.density);
+        withTypedGrid(*medium.emission, [](const auto& emission) { checkVoxels(emission, "emission"); });
+    }
+}
+
+void requireLinear(const openvdb::GridBase& grid) {
+    if (!grid.transform().isLinear())
+        throw InvalidArgument("grid '" + grid.getName() +
+                              "' has a transform that is not linear (a frustum?); resample it");
+}
+
+template <class GridType, class ShapeType>
+openvdb::GridBase::Ptr sampled(const GridType& grid, const ShapeType& shape, int margin) {
+    const auto result = withVoxelsOf<GridType>(shape);
+    if (margin > 0)
+        openvdb::tools::dilateActiveValues(result->tree(), margin, openvdb::tools::NN_FACE_EDGE_VERTEX,
+                                           openvdb::tools::IGNORE_TILES);
+    setActive(*result, [&] {
+        return [accessor = grid.getConstUnsafeAccessor(), &grid, &shape](const openvdb::Coord& at) {
+            return openvdb::tools::BoxSampler::sample(accessor, grid.worldToIndex(shape.indexToWorld(at)));
+        };
+    });
+    result->insertMeta(grid);
+    return result;
+}
+
+}  // namespace
+
+Medium atResolution(const Medium& medium, double resolution) {
+    if (resolution == 1) return medium;
+    requireVoxels(medium);
+    Medium coarse = medium;
+    const auto density = openvdb::gridPtrCast<FloatGrid>(coarsened(*medium.density, resolution));
+    coarse.density = density;
+    if (medium.albedoGrid)
+        coarse.albedoGrid = withTypedGrid(*medium.albedoGrid, [&](const auto& albedo) -> openvdb::GridBase::Ptr {
+            return coarseAlbedo(albedo, *medium.density, *density, resolution);
+        });
+    if (medium.emission) coarse.emission = coarsened(*medium.emission, resolution);
+    return coarse;
+}
+
+openvdb::GridBase::Ptr sampledOnto(const openvdb::GridBase& grid, const openvdb::GridBase& shape, int margin) {
+    requireLinear(grid);
+    requireLinear(shape);
+    return withTypedGrid(grid, [&](const auto& typed) {
+        return withTypedGrid(shape, [&](const auto& typedShape) -> openvdb::GridBase::Ptr {
+            return sampled(typed, typedShape, margin);
+        });
+    });
+}
+
+}  // namespace raysweep
