@@ -127,6 +127,18 @@ std::vector<double> parseNumbers(const std::string& text, const std::string& opt
     return numbers;
 }
 
+std::vector<int> parseWhole(const std::string& text, const std::string& option, std::size_t count, int low, int high,
+                            const std::string& example) {
+    std::vector<int> whole;
+    for (const double number : parseNumbers(text, option, count, count, example)) {
+        if (number != std::floor(number) || number < low || number > high)
+            usageError(option, "'" + text + "': whole numbers from " + std::to_string(low) + " to " +
+                                   std::to_string(high) + " are needed");
+        whole.push_back(int(number));
+    }
+    return whole;
+}
+
 double parseNumber(const std::string& text, const std::string& option, const std::string& example) {
     return parseNumbers(text, option, 1, 1, example).front();
 }

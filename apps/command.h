@@ -28,6 +28,7 @@ void addRender(CLI::App& app, int& exitCode);
 void addInfo(CLI::App& app, int& exitCode);
 void addCompare(CLI::App& app, int& exitCode);
 void addGenerate(CLI::App& app, int& exitCode);
+void addImport(CLI::App& app, int& exitCode);
 void addExport(CLI::App& app, int& exitCode);
 
 }  // namespace raysweep::apps

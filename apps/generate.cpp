@@ -1,15 +1,20 @@
 /// raysweep generate: volumes made from nothing.
 #include "cli.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/engine_room.h"
 #include "raysweep/volume/phantom.h"
+#include "raysweep/volume/solid.h"
+#include "raysweep/volume/statistics.h"
 #include "raysweep/volume/vdb_io.h"
 
 #include <nlohmann/json.hpp>
 
-#include <cmath>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <sstream>
 
 namespace raysweep::apps {
 namespace {
@@ -17,61 +22,158 @@ namespace {
 struct GenerateOptions {
     CommonOptions common;
     PhantomOptions phantom;
-    std::string kind, output, dims;
+    EngineRoomOptions room;
+    std::string kind, output, dims, volume, volumeGrid, slices;
     bool half = false;
 };
+
+const std::string kRoom = "engine-room";
 
 using Maker = openvdb::FloatGrid::Ptr (*)(const PhantomOptions&);
 const std::map<std::string, Maker> kMakers = {{"box", makeBox}, {"cloud", makeCloud}, {"sphere", makeSphere}};
 
 openvdb::Coord parseDims(const std::string& text) {
-    const std::string option = "--dims";
-    openvdb::Coord dims;
-    const std::vector<double> numbers = parseNumbers(text, option, 3, 3, "64,32,16");
-    for (int axis = 0; axis < 3; ++axis) {
-        const double number = numbers[std::size_t(axis)];
-        if (number != std::floor(number) || number < 1 || number > 4096)
-            usageError(option, "'" + text + "': whole numbers from 1 to 4096 are needed");
-        dims[axis] = int(number);
-    }
-    return dims;
+    const std::vector<int> dims = parseWhole(text, "--dims", 3, 1, 4096, "64,32,16");
+    return openvdb::Coord(dims[0], dims[1], dims[2]);
 }
 
-void runGenerate(GenerateOptions options) {
+/// What made the file, for its metadata.
+std::string commandOf(const GenerateOptions& options) {
+    std::ostringstream text;
+    text << options.kind;
+    if (options.kind != kRoom) {
+        text << " --size " << options.phantom.size << " --seed " << options.common.seed;
+        return text.str();
+    }
+    if (options.room.size > 0) text << " --size " << options.room.size;
+    if (!options.volume.empty()) text << " --volume " << std::filesystem::path(options.volume).filename().string();
+    if (!options.slices.empty()) text << " --crop-slices " << options.slices;
+    text << " --wall " << options.room.wall;
+    if (options.room.openFront) text << " --open-front";
+    if (options.room.coloured) text << " --coloured";
+    return text.str();
+}
+
+void writeGrids(const GenerateOptions& options, const openvdb::GridPtrVec& grids) {
+    for (const auto& grid : grids) {
+        grid->setSaveFloatAsHalf(options.half);
+        grid->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
+        grid->insertMeta("raysweep_generate", openvdb::StringMetadata(commandOf(options)));
+    }
+    writeVdb(options.output, openvdb::GridCPtrVec(grids.begin(), grids.end()));
+    detail(options.common, options.kind + " of " + std::to_string(grids.front()->activeVoxelCount()) +
+                               " voxels written to '" + options.output + "'");
+}
+
+/// The engine from a file, if there is one.
+void readEngine(GenerateOptions& options) {
+    if (options.volume.empty()) return;
+    const openvdb::FloatGrid::Ptr engine = selectSolid(readVdb(options.volume), options.volumeGrid);
+    const ValueRange range = valueRange(*engine);
+    if (!range.max.empty() && range.max[0] > 1)
+        warning(options.common, "the volume's densities go up to " + std::to_string(range.max[0]) +
+                                    ", the walls have " + std::to_string(kWallDensity));
+    options.room.engine = engine;
+}
+
+void runRoom(GenerateOptions options) {
+    const Timer timer;
+    readEngine(options);
+    const EngineRoom room = makeEngineRoom(options.room);
+    openvdb::GridPtrVec grids{room.density, room.emission};
+    if (room.albedo) grids.push_back(room.albedo);
+    writeGrids(options, grids);
+    const auto list = [](const openvdb::Coord& c) { return nlohmann::ordered_json{c.x(), c.y(), c.z()}; };
+    writeReport(options.common, {{"voxels_active", room.density->activeVoxelCount()},
+                                 {"seconds", timer.seconds()},
+                                 {"dims", list(room.dims)},
+                                 {"engine_dims", list(room.engineDims)},
+                                 {"light_area", room.lightArea},
+                                 {"light_power", room.lightPower}});
+}
+
+void runPhantom(const GenerateOptions& options) {
+    const Timer timer;
+    const openvdb::FloatGrid::Ptr grid = kMakers.at(options.kind)(options.phantom);
+    writeGrids(options, {grid});
+    writeReport(options.common, {{"voxels_active", grid->activeVoxelCount()}, {"seconds", timer.seconds()}});
+}
+
+/// Options that mean nothing for the kind that was asked for.
+void requireFitting(const CLI::App& command, const std::string& kind) {
+    const auto refuse = [&](std::initializer_list<const char*> names, const std::string& what) {
+        for (const char* name : names)
+            if (command.count(name) > 0) usageError(name, "is for " + what + " only");
+    };
+    if (kind != "box") refuse({"--dims"}, "the box");
+    if (kind != kRoom)
+        refuse({"--volume", "--volume-grid", "--crop-slices", "--wall", "--open-front", "--coloured"}, kRoom);
+    if (kind == kRoom && command.count("--volume") > 0) refuse({"--voxel-size"}, "volumes made from nothing");
+    if (kind == kRoom && command.count("--volume") == 0) refuse({"--volume-grid", "--crop-slices"}, "--volume");
+}
+
+/// Everything that can be said to be wrong before a volume is made.
+void completeOptions(GenerateOptions& options, const CLI::App& command) {
     requireFileOutput(options.output);
-    if (!options.dims.empty() && options.kind != "box") usageError("--dims", "is for the box only");
+    requireFitting(command, options.kind);
     if (!options.dims.empty()) options.phantom.dims = parseDims(options.dims);
     if (options.kind == "sphere" && options.phantom.soft > 0.5 * options.phantom.size)
         usageError("--soft", "must be at most half of --size");
     options.phantom.seed = options.common.seed;
-    requireWritable(options.output);
+    options.room.voxelSize = options.phantom.voxelSize;
+    if (command.count("--size") > 0) options.room.size = options.phantom.size;
+    if (!options.slices.empty()) {
+        constexpr int kFar = 1 << 24;
+        const std::vector<int> slices = parseWhole(options.slices, "--crop-slices", 2, -kFar, kFar, "0,109");
+        options.room.slices = {slices[0], slices[1]};
+    }
+    try {
+        if (options.kind == kRoom) options.room.validate();
+    } catch (const InvalidArgument& e) {
+        usageError(kRoom, e.what());
+    }
+}
 
+void runGenerate(const GenerateOptions& options) {
+    requireWritable(options.output);
     const ThreadLimit limit = start(options.common);
-    const Timer timer;
-    const openvdb::FloatGrid::Ptr grid = kMakers.at(options.kind)(options.phantom);
-    grid->setSaveFloatAsHalf(options.half);
-    grid->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
-    grid->insertMeta("raysweep_generate",
-                     openvdb::StringMetadata(options.kind + " --size " + std::to_string(options.phantom.size) +
-                                             " --seed " + std::to_string(options.phantom.seed)));
-    writeVdb(options.output, {grid});
-    detail(options.common, options.kind + " of " + std::to_string(grid->activeVoxelCount()) + " voxels written to '" +
-                               options.output + "'");
-    writeReport(options.common, {{"voxels_active", grid->activeVoxelCount()}, {"seconds", timer.seconds()}});
+    if (options.kind == kRoom)
+        runRoom(options);
+    else
+        runPhantom(options);
+}
+
+void addRoomOptions(CLI::App& app, GenerateOptions& options) {
+    app.option_defaults()->group("Engine room");
+    app.add_option("--volume", options.volume,
+                   "What stands in it, fog or level set (default: a block made from nothing)")
+        ->type_name("ENGINE.vdb");
+    app.add_option("--volume-grid", options.volumeGrid, "Its grid (default: density, else the only float grid)");
+    app.add_option("--crop-slices", options.slices,
+                   "Slices of the volume, along z, to take (default: those with something in them, and two of air)")
+        ->type_name("K0,K1");
+    app.add_option("--wall", options.room.wall, "Thickness of the walls, voxels")->capture_default_str();
+    app.add_flag("--open-front", options.room.openFront, "Leave out the wall in front (low y)");
+    app.add_flag("--coloured", options.room.coloured,
+                 "Add a grid albedo: left wall red, right wall green, the rest grey");
+    app.option_defaults()->group("Options");
 }
 
 }  // namespace
 
 void addGenerate(CLI::App& app, int&) {
-    CLI::App* command = app.add_subcommand("generate", "Make a volume: cloud, sphere or box");
+    CLI::App* command = app.add_subcommand("generate", "Make a volume: cloud, sphere, box, or the engine room");
     const auto options = std::make_shared<GenerateOptions>();
     PhantomOptions& phantom = options->phantom;
     command->add_option("kind", options->kind, "What to make")
         ->required()
-        ->check(CLI::IsMember(kMakers).description(""))
-        ->type_name("cloud|sphere|box");
+        ->check(CLI::IsMember({"box", "cloud", kRoom.c_str(), "sphere"}).description(""))
+        ->type_name("cloud|sphere|box|engine-room");
     command->add_option("-o,--output", options->output, "The .vdb file to write")->required()->type_name("OUT.vdb");
-    command->add_option("--size", phantom.size, "Longest edge, voxels")
+    command
+        ->add_option(
+            "--size", phantom.size,
+            "Longest edge, voxels; of the engine room with its walls 276, or what fits the volume, if not given")
         ->check(CLI::Range(2, 4096).description(""))
         ->capture_default_str();
     command
@@ -86,8 +188,12 @@ void addGenerate(CLI::App& app, int&) {
         ->capture_default_str();
     command->add_option("--dims", options->dims, "Box: voxels along each axis instead of --size")->type_name("X,Y,Z");
     command->add_flag("--half", options->half, "Save as half floats");
+    addRoomOptions(*command, *options);
     addCommonOptions(*command, options->common);
-    command->callback([options] { runGenerate(*options); });
+    command->callback([options, command] {
+        completeOptions(*options, *command);
+        runGenerate(*options);
+    });
 }
 
 }  // namespace raysweep::apps

@@ -45,7 +45,9 @@ TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
     EXPECT_GT(files, 20);
 }
 
-TEST(Layering, OneFileEachSeesThreadsAndPictures) {
+TEST(Layering, FewFilesSeeThreadsPicturesAndMedicalFormats) {
+    const std::vector<std::string> medical = {"itk_volume.cpp", "itk_dicom.cpp",    "itk_read.cpp",
+                                              "itk_read.h",     "dicom_header.cpp", "nifti_check.cpp"};
     const fs::path library = fs::path(RAYSWEEP_SOURCE_DIR) / "lib" / "raysweep";
     for (const auto& entry : fs::recursive_directory_iterator(library)) {
         if (!entry.is_regular_file()) continue;
@@ -54,6 +56,10 @@ TEST(Layering, OneFileEachSeesThreadsAndPictures) {
             if (line.rfind("#include", 0) != 0) continue;
             const bool threads = line.find("tbb/") != std::string::npos;
             const bool pictures = line.find("OpenImageIO") != std::string::npos;
+            const bool itk = line.find("<itk") != std::string::npos || line.find("<gdcm") != std::string::npos ||
+                             line.find("<dcmtk") != std::string::npos || line.find("<nifti") != std::string::npos;
+            EXPECT_TRUE(!itk || std::count(medical.begin(), medical.end(), entry.path().filename().string()) == 1)
+                << entry.path() << ": " << line;
             EXPECT_TRUE(!threads || entry.path().filename() == "parallel.h") << entry.path() << ": " << line;
             EXPECT_TRUE(!pictures || entry.path().filename() == "image_io.cpp") << entry.path() << ": " << line;
         }

@@ -85,6 +85,78 @@ void writePixels(const std::string& path, const std::string& temporary, const Im
         fail(output->geterror());
 }
 
+SampleType sampleTypeOf(const OIIO::TypeDesc& format, const std::string& path) {
+    switch (format.basetype) {
+        case OIIO::TypeDesc::INT8:
+            return SampleType::int8;
+        case OIIO::TypeDesc::UINT8:
+            return SampleType::uint8;
+        case OIIO::TypeDesc::INT16:
+            return SampleType::int16;
+        case OIIO::TypeDesc::UINT16:
+            return SampleType::uint16;
+        case OIIO::TypeDesc::INT32:
+            return SampleType::int32;
+        case OIIO::TypeDesc::UINT32:
+            return SampleType::uint32;
+        case OIIO::TypeDesc::HALF:
+        case OIIO::TypeDesc::FLOAT:
+            return SampleType::float32;
+        case OIIO::TypeDesc::DOUBLE:
+            return SampleType::float64;
+        default:
+            throw InvalidArgument("cannot read '" + path + "': samples of the type " + format.c_str() +
+                                  " are not known; convert the picture first");
+    }
+}
+
+OIIO::TypeDesc formatOf(SampleType type) {
+    constexpr OIIO::TypeDesc::BASETYPE kFormats[] = {
+        OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT16, OIIO::TypeDesc::UINT16,
+        OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT32, OIIO::TypeDesc::INT64, OIIO::TypeDesc::UINT64,
+        OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::DOUBLE};
+    return kFormats[int(type)];
+}
+
+std::unique_ptr<OIIO::ImageInput> openPicture(const std::string& path, const OIIO::ImageSpec* how = nullptr) {
+    const auto fail = [&](const std::string& why) { throw IoError("cannot read '" + path + "': " + why); };
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) fail("there is no such file");
+    if (std::filesystem::is_directory(path, ignored)) fail("it is a folder; give a picture file");
+    if (isVolume(path)) fail("it is an OpenVDB volume; give an EXR, HDR, PNG, JPEG or TIFF picture");
+    auto input = OIIO::ImageInput::open(path, how);
+    if (!input) fail(OIIO::geterror() + "; give an EXR, HDR, PNG, JPEG or TIFF picture");
+    return input;
+}
+
+int pagesOf(OIIO::ImageInput& input) {
+    int pages = 1;
+    while (input.seek_subimage(pages, 0)) ++pages;
+    static_cast<void>(input.geterror());  // the last seek failed, as it should
+    input.seek_subimage(0, 0);
+    return pages;
+}
+
+/// Checks one page of a stack whose first page made `stack`.
+void requireSlice(const OIIO::ImageSpec& spec, const PictureStack& stack, const std::string& path, int page) {
+    const auto fail = [&](const std::string& why) {
+        throw InvalidArgument("cannot use '" + path + "'" + (page > 0 ? ", page " + std::to_string(page + 1) : "") +
+                              ": " + why);
+    };
+    if (spec.depth > 1) fail("it has a depth of its own; a stack is made of flat pictures");
+    if (spec.nchannels != 1)
+        fail("it has " + std::to_string(spec.nchannels) +
+             " channels, but a volume needs one number per voxel; convert the pictures to grey first");
+    const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
+    if (spec.width != stack.width || spec.height != stack.height)
+        fail("its size is " + size(spec.width, spec.height) + ", but the first picture's is " +
+             size(stack.width, stack.height) + "; all slices must have one size");
+    const SampleType type = sampleTypeOf(spec.format, path);
+    if (type != stack.type)
+        fail("its samples are " + nameOf(type) + ", but the first picture's are " + nameOf(stack.type) +
+             "; all slices must have one type");
+}
+
 }  // namespace
 
 ImageFormat imageFormat(const std::string& path) {
@@ -112,22 +184,48 @@ Image toneMap(const Image& image, double exposure) {
 }
 
 Image readImage(const std::string& path) {
-    const auto fail = [&](const std::string& why) { throw IoError("cannot read '" + path + "': " + why); };
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) fail("there is no such file");
-    if (std::filesystem::is_directory(path, ignored)) fail("it is a folder; give a picture file");
-    if (isVolume(path)) fail("it is an OpenVDB volume; give an EXR, HDR, PNG, JPEG or TIFF picture");
     OIIO::ImageSpec asStored;
     asStored.attribute("oiio:UnassociatedAlpha", 1);  // else colours are multiplied by alpha before they are decoded
-    auto input = OIIO::ImageInput::open(path, &asStored);
-    if (!input) fail(OIIO::geterror() + "; give an EXR, HDR, PNG, JPEG or TIFF picture");
+    const auto input = openPicture(path, &asStored);
     const OIIO::ImageSpec& spec = input->spec();
     Image image(spec.width, spec.height, spec.nchannels);
     const bool linear = spec.format.is_floating_point();
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
-        fail(input->geterror());
+        throw IoError("cannot read '" + path + "': " + input->geterror());
     if (!linear) decode(image);
     return image;
+}
+
+PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress) {
+    PictureStack stack;
+    std::vector<int> pages;
+    for (const std::string& file : files) {
+        const auto input = openPicture(file);
+        const OIIO::ImageSpec& spec = input->spec();
+        if (pages.empty()) {
+            stack.width = spec.width;
+            stack.height = spec.height;
+            stack.type = sampleTypeOf(spec.format, file);
+        }
+        requireSlice(spec, stack, file, 0);
+        pages.push_back(pagesOf(*input));
+        stack.slices += pages.back();
+    }
+    const std::size_t sliceBytes = std::size_t(stack.width) * stack.height * sizeOf(stack.type);
+    stack.samples.reset(new std::byte[sliceBytes * stack.slices]);
+    std::byte* to = stack.samples.get();
+    for (std::size_t f = 0; f < files.size(); ++f) {
+        const auto input = openPicture(files[f]);
+        for (int page = 0; page < pages[f]; ++page, to += sliceBytes) {
+            stack.complete = report(progress, "reading", double(to - stack.samples.get()) / sliceBytes / stack.slices);
+            if (!stack.complete) return stack;
+            if (!input->seek_subimage(page, 0)) throw IoError("cannot read '" + files[f] + "': " + input->geterror());
+            requireSlice(input->spec(), stack, files[f], page);
+            if (!input->read_image(page, 0, 0, 1, formatOf(stack.type), to))
+                throw IoError("cannot read '" + files[f] + "': " + input->geterror());
+        }
+    }
+    return stack;
 }
 
 void writeImage(const std::string& path, const Image& image) {

@@ -1,13 +1,12 @@
 #include "raysweep/volume/phantom.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/parallel.h"
 #include "raysweep/core/types.h"
 #include "raysweep/volume/cloud_shape.h"
+#include "raysweep/volume/leaf_fill.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,10 +15,6 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
-using Leaf = openvdb::FloatTree::LeafNodeType;
-
-/// Half the diagonal of a leaf, voxels: nothing in it is further from its centre.
-const double kLeafRadius = 3.5 * std::sqrt(3.0);
 
 void require(bool holds, const std::string& field, double value, const std::string& bound) {
     if (!holds) throw InvalidArgument(field + " is " + std::to_string(value) + ", but must be " + bound);
@@ -37,47 +32,8 @@ FloatGrid::Ptr makeGrid(const PhantomOptions& options, const Coord& box) {
     return grid;
 }
 
-std::vector<Coord> leafOrigins(const openvdb::CoordBBox& box) {
-    std::vector<Coord> origins;
-    const Coord first = box.min() & ~7, last = box.max() & ~7;
-    for (int x = first.x(); x <= last.x(); x += 8)
-        for (int y = first.y(); y <= last.y(); y += 8)
-            for (int z = first.z(); z <= last.z(); z += 8) origins.emplace_back(x, y, z);
-    return origins;
-}
-
-/// Where voxels are looked for, and the point, in index space, that they are described relative to.
-struct Region {
-    openvdb::CoordBBox box;
-    Vec3 middle;
-};
-
-Region regionOf(const Coord& box) {
+FillRegion regionOf(const Coord& box) {
     return {openvdb::CoordBBox(Coord(0), box.offsetBy(-1)), Vec3(box.x() - 1, box.y() - 1, box.z() - 1) * 0.5};
-}
-
-/// Activates the voxels of `region` for which `density(position, leafData)` is above 0; `position` is the voxel's
-/// index relative to the middle. `prepare(centre, leafData)` is called before, once per leaf; where it returns false
-/// the leaf is empty.
-template <class LeafData, class Prepare, class Density>
-void fill(FloatGrid& grid, const Region& region, const Prepare& prepare, const Density& density) {
-    const auto fromMiddle = [&](const Coord& ijk) { return Vec3(ijk.x(), ijk.y(), ijk.z()) - region.middle; };
-    const std::vector<Coord> origins = leafOrigins(region.box);
-    std::vector<std::unique_ptr<Leaf>> made(origins.size());
-    parallelFor(origins.size(), [&](std::size_t n) {
-        LeafData data;
-        if (!prepare(fromMiddle(origins[n]) + Vec3(3.5), data)) return;
-        auto leaf = std::make_unique<Leaf>(origins[n], 0.0f);
-        for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
-            const Coord ijk = leaf->offsetToGlobalCoord(offset);
-            if (!region.box.isInside(ijk)) continue;
-            const double value = density(fromMiddle(ijk), data);
-            if (value > 0) leaf->setValueOn(offset, float(value));
-        }
-        if (!leaf->isEmpty()) made[n] = std::move(leaf);
-    });
-    for (auto& leaf : made)
-        if (leaf) grid.tree().addLeaf(leaf.release());
 }
 
 }  // namespace
@@ -99,7 +55,7 @@ FloatGrid::Ptr makeSphere(const PhantomOptions& options) {
     const double radius = 0.5 * (options.size - options.soft);
     const double reach = radius + 0.5 * options.soft + kLeafRadius;
     const auto near = [&](const Vec3& centre, int&) { return centre.length() <= reach; };
-    fill<int>(*grid, regionOf(box), near, [&](const Vec3& p, int) {
+    fillLeaves<int>(*grid, regionOf(box), near, [&](const Vec3& p, int) {
         const double outside = p.length() - radius;
         if (options.soft == 0) return outside <= 0 ? double(options.density) : 0.0;
         return options.density * std::clamp(0.5 - outside / options.soft, 0.0, 1.0);
@@ -112,7 +68,7 @@ FloatGrid::Ptr makeBox(const PhantomOptions& options) {
     const Coord box = options.dims == Coord(0, 0, 0) ? Coord(options.size) : options.dims;
     const FloatGrid::Ptr grid = makeGrid(options, box);
     const auto always = [](const Vec3&, int&) { return true; };
-    fill<int>(*grid, regionOf(box), always, [&](const Vec3&, int) { return double(options.density); });
+    fillLeaves<int>(*grid, regionOf(box), always, [&](const Vec3&, int) { return double(options.density); });
     return grid;
 }
 
@@ -125,7 +81,7 @@ FloatGrid::Ptr makeCloud(const PhantomOptions& options) {
                     int(std::ceil(extent.z / h - 1e-6)));
     const FloatGrid::Ptr grid = makeGrid(options, box);
     // The shape's box was found by samples, so a wisp may reach out of it; it is not cut off.
-    Region region = regionOf(box);
+    FillRegion region = regionOf(box);
     for (int axis = 0; axis < 3; ++axis) {
         region.box.min()[axis] += int(std::floor((shape.outerLow[axis] - shape.low[axis]) / h));
         region.box.max()[axis] += int(std::ceil((shape.outerHigh[axis] - shape.high[axis]) / h));
@@ -134,7 +90,7 @@ FloatGrid::Ptr makeCloud(const PhantomOptions& options) {
         puffs = puffsNear(shape, centre + leafCentre * h, kLeafRadius * h);
         return !puffs.empty();
     };
-    fill<std::vector<CloudPuff>>(*grid, region, near, [&](const Vec3& p, const std::vector<CloudPuff>& puffs) {
+    fillLeaves<std::vector<CloudPuff>>(*grid, region, near, [&](const Vec3& p, const std::vector<CloudPuff>& puffs) {
         return options.density * cloudDensity(shape, puffs, centre + p * h);
     });
     return grid;

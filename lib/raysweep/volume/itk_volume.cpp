@@ -1,0 +1,80 @@
+// ITK's image readers are used without its image classes: a reader fills the buffer that becomes the grid, so nothing
+// is held twice, and none of ITK's templates is compiled.
+#include "raysweep/volume/itk_volume.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/volume/itk_read.h"
+#include "raysweep/volume/nifti_check.h"
+
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+#include <filesystem>
+
+namespace raysweep {
+namespace {
+
+itk::ImageIOBase::Pointer readerFor(ItkFormat format) {
+    switch (format) {
+        case ItkFormat::nrrd:
+            return itk::NrrdImageIO::New().GetPointer();
+        case ItkFormat::metaImage:
+            return itk::MetaImageIO::New().GetPointer();
+        case ItkFormat::nifti:
+            break;
+    }
+    return itk::NiftiImageIO::New().GetPointer();
+}
+
+const char* nameOf(ItkFormat format) {
+    return format == ItkFormat::nrrd ? "NRRD" : format == ItkFormat::metaImage ? "MetaImage" : "NIfTI";
+}
+
+/// Dimensions after the third must be 1.
+void requireVolume(const itk::ImageIOBase& io, const std::string& path) {
+    std::uint64_t volumes = 1;
+    for (unsigned axis = 3; axis < io.GetNumberOfDimensions(); ++axis) volumes *= io.GetDimensions(axis);
+    if (volumes != 1)
+        throw InvalidArgument("'" + path + "' has " + std::to_string(io.GetNumberOfDimensions()) +
+                              " dimensions: " + std::to_string(volumes) + " volumes of " +
+                              std::to_string(io.GetDimensions(0)) + "x" + std::to_string(io.GetDimensions(1)) + "x" +
+                              std::to_string(io.GetDimensions(2)) + "; give a file with one of them");
+}
+
+/// Data that are missing: MetaImage's reader prints that to the console and returns as if nothing had happened.
+void requireNoComplaint(const Silence& silence, const std::string& path) {
+    if (!silence.said().empty()) failRead(path, "the data end too early or are damaged (" + silence.said() + ")");
+}
+
+}  // namespace
+
+bool hasItk() {
+    return true;
+}
+
+StoredVolume readItkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) failRead(path, "there is no such file");
+    if (std::filesystem::is_directory(path, ignored)) failRead(path, "it is a folder");
+    const Silence silence;
+    if (format == ItkFormat::nifti) checkNifti(path);
+    const itk::ImageIOBase::Pointer io = readerFor(format);
+    StoredVolume volume;
+    guarded(path, "header", silence, [&] {
+        io->SetFileName(path);
+        io->ReadImageInformation();
+        requireVolume(*io, path);
+        volume = describe(*io, path);
+    });
+    volume.format = nameOf(format);
+    volume.complete = report(progress, "reading", 0);
+    if (!volume.complete) return volume;
+    volume.samples.reset(new std::byte[volume.count() * sizeOf(volume.type)]);
+    guarded(path, "data", silence, [&] { readInto(*io, volume.samples.get()); });
+    if (format == ItkFormat::metaImage) requireNoComplaint(silence, path);
+    volume.complete = report(progress, "reading", 1);
+    return volume;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,52 @@
+/// Filling a float grid with a density that is a function of position, leaf by leaf, several at a time.
+#pragma once
+
+#include "raysweep/core/parallel.h"
+#include "raysweep/core/types.h"
+#include "raysweep/volume/grids.h"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace raysweep {
+
+/// Half the diagonal of a leaf, voxels: nothing in it is further from its centre.
+const double kLeafRadius = 3.5 * std::sqrt(3.0);
+
+/// Where voxels are looked for, and the point, in index space, that they are described relative to.
+struct FillRegion {
+    openvdb::CoordBBox box;
+    Vec3 middle{0};
+};
+
+/// Activates the voxels of `region` for which `density(position, leafData)` is above 0; `position` is the voxel's
+/// index relative to the middle. `prepare(centre, leafData)` is called before, once per leaf; where it returns false
+/// the leaf is empty.
+template <class LeafData, class Prepare, class Density>
+void fillLeaves(openvdb::FloatGrid& grid, const FillRegion& region, const Prepare& prepare, const Density& density) {
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    const auto fromMiddle = [&](const openvdb::Coord& ijk) { return Vec3(ijk.x(), ijk.y(), ijk.z()) - region.middle; };
+    std::vector<openvdb::Coord> origins;
+    const openvdb::Coord first = region.box.min() & ~7, last = region.box.max() & ~7;
+    for (int x = first.x(); x <= last.x(); x += 8)
+        for (int y = first.y(); y <= last.y(); y += 8)
+            for (int z = first.z(); z <= last.z(); z += 8) origins.emplace_back(x, y, z);
+    std::vector<std::unique_ptr<Leaf>> made(origins.size());
+    parallelFor(origins.size(), [&](std::size_t n) {
+        LeafData data;
+        if (!prepare(fromMiddle(origins[n]) + Vec3(3.5), data)) return;
+        auto leaf = std::make_unique<Leaf>(origins[n], 0.0f);
+        for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+            const openvdb::Coord ijk = leaf->offsetToGlobalCoord(offset);
+            if (!region.box.isInside(ijk)) continue;
+            const double value = density(fromMiddle(ijk), data);
+            if (value > 0) leaf->setValueOn(offset, float(value));
+        }
+        if (!leaf->isEmpty()) made[n] = std::move(leaf);
+    });
+    for (auto& leaf : made)
+        if (leaf) grid.tree().addLeaf(leaf.release());
+}
+
+}  // namespace raysweep

@@ -1,0 +1,118 @@
+#include "support/volume_files.h"
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace raysweep::test {
+namespace {
+
+template <class Number>
+std::string little(Number value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+template <class Number>
+void put(std::string& bytes, std::size_t at, Number value) {
+    bytes.replace(at, sizeof value, little(value));
+}
+
+/// A DICOM data element with an explicit value representation of the short form.
+std::string element(std::uint16_t group, std::uint16_t number, const std::string& vr, std::string value) {
+    if (value.size() % 2) value += vr == "UI" ? '\0' : ' ';
+    return little(group) + little(number) + vr + little(std::uint16_t(value.size())) + value;
+}
+
+std::string element(std::uint16_t group, std::uint16_t number, int value) {
+    return element(group, number, "US", little(std::uint16_t(value)));
+}
+
+std::string placeElements(const DicomImage& image) {
+    std::string bytes = element(0x20, 0xd, "UI", "1.2.3") + element(0x20, 0xe, "UI", image.series) +
+                        element(0x20, 0x13, "IS", std::to_string(image.number));
+    if (!image.position.empty()) bytes += element(0x20, 0x32, "DS", image.position);
+    if (!image.orientation.empty()) bytes += element(0x20, 0x37, "DS", image.orientation);
+    return bytes;
+}
+
+std::string pixelElements(const DicomImage& image) {
+    const bool color = image.channels == 3;
+    std::string bytes = element(0x28, 0x2, image.channels);
+    bytes += element(0x28, 0x4, "CS", color ? "RGB" : "MONOCHROME2");
+    if (color) bytes += element(0x28, 0x6, 0);
+    bytes += element(0x28, 0x10, image.rows) + element(0x28, 0x11, image.columns);
+    bytes += element(0x28, 0x30, "DS", image.spacing);
+    bytes += element(0x28, 0x100, 16) + element(0x28, 0x101, 16) + element(0x28, 0x102, 15);
+    bytes += element(0x28, 0x103, image.isSigned ? 1 : 0);
+    bytes += element(0x28, 0x1052, "DS", image.intercept) + element(0x28, 0x1053, "DS", image.slope);
+    const std::string pixels = bytesOf(image.samples);
+    return bytes + little(std::uint16_t(0x7fe0)) + little(std::uint16_t(0x10)) + "OW" + std::string(2, '\0') +
+           little(std::uint32_t(pixels.size())) + pixels;
+}
+
+}  // namespace
+
+void writeFile(const std::string& path, const std::string& header, const std::string& bytes) {
+    std::ofstream out(path, std::ios::binary);
+    out << header << bytes;
+    if (!out.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+std::string niftiBytes(const NiftiImage& image) {
+    std::string header(352, '\0');
+    put(header, 0, std::int32_t(348));
+    put(header, 40, std::int16_t(image.dims.size()));
+    for (std::size_t n = 0; n < 7; ++n)
+        put(header, 42 + 2 * n, std::int16_t(n < image.dims.size() ? image.dims[n] : 1));
+    put(header, 70, std::int16_t(4));  // DT_INT16
+    put(header, 72, std::int16_t(16));
+    put(header, 76, 1.0f);
+    for (std::size_t n = 0; n < 3; ++n)  // voxel sizes, which must agree with the sform
+        put(header, 80 + 4 * n, std::hypot(image.rows[0][n], image.rows[1][n], image.rows[2][n]));
+    put(header, 108, 352.0f);  // where the samples are
+    put(header, 112, image.slope);
+    put(header, 116, image.intercept);
+    header[123] = 2;                    // millimetres
+    put(header, 254, std::int16_t(1));  // sform: scanner coordinates
+    for (std::size_t row = 0; row < 3; ++row)
+        for (std::size_t n = 0; n < 4; ++n) put(header, 280 + 16 * row + 4 * n, image.rows[row][n]);
+    header.replace(344, 4, std::string("n+1\0", 4));
+    return header + bytesOf(image.samples);
+}
+
+std::string dicomBytes(const DicomImage& image) {
+    const std::string ct = "1.2.840.10008.5.1.4.1.1.2", explicitLittle = "1.2.840.10008.1.2.1";
+    const std::string instance = image.series + "." + std::to_string(image.number);
+    const std::string meta =
+        element(2, 2, "UI", ct) + element(2, 3, "UI", instance) + element(2, 0x10, "UI", explicitLittle);
+    return std::string(128, '\0') + "DICM" + element(2, 0, "UL", little(std::uint32_t(meta.size()))) + meta +
+           element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", instance) + element(8, 0x60, "CS", "CT") +
+           element(8, 0x103e, "LO", image.description) + placeElements(image) + pixelElements(image);
+}
+
+std::string tiffBytes(int width, int height, const std::vector<std::vector<std::uint16_t>>& pages) {
+    std::string bytes = "II*" + std::string(1, '\0') + std::string(4, '\0');
+    std::size_t link = 4;  // where the offset of the next directory goes
+    for (const auto& page : pages) {
+        const auto data = std::uint32_t(bytes.size());
+        bytes += bytesOf(page);
+        put(bytes, link, std::uint32_t(bytes.size()));
+        const std::uint32_t entries[][2] = {{256, std::uint32_t(width)},
+                                            {257, std::uint32_t(height)},
+                                            {258, 16},
+                                            {259, 1},
+                                            {262, 1},
+                                            {273, data},
+                                            {277, 1},
+                                            {278, std::uint32_t(height)},
+                                            {279, std::uint32_t(2 * page.size())}};
+        bytes += little(std::uint16_t(std::size(entries)));
+        for (const auto& [tag, value] : entries)
+            bytes += little(std::uint16_t(tag)) + little(std::uint16_t(4)) + little(std::uint32_t(1)) + little(value);
+        link = bytes.size();
+        bytes += std::string(4, '\0');
+    }
+    return bytes;
+}
+
+}  // namespace raysweep::test
