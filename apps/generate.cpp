@@ -4,8 +4,8 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/volume/engine_room.h"
+#include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/phantom.h"
-#include "raysweep/volume/solid.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/vdb_io.h"
 

@@ -1,5 +1,5 @@
 /// raysweep light: lights a volume.
-#include "light_options.h"
+#include "light_scene.h"
 #include "plot.h"
 
 #include "raysweep/core/error.h"
@@ -285,6 +285,9 @@ void addLight(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LightArguments>();
     addLightOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
+        // Without a thickness of its own the inside of a level set is a solid.
+        if (arguments->fromLevelSet && command->count("--extinction") == 0 && !arguments->transfer.given())
+            arguments->transfer.ramp = "0,1";
         completeOptions(*arguments);
         arguments->commandLine = optionsText(*command, *arguments);
         exitCode = run(*arguments);

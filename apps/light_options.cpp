@@ -1,13 +1,8 @@
 #include "light_options.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/volume/classify.h"
-#include "raysweep/volume/grid_select.h"
-#include "raysweep/volume/similarity.h"
-#include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 
 namespace raysweep::apps {
@@ -49,7 +44,9 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
                                             "Extinction per unit density, 1/world unit: how thick the volume is")
                                  ->capture_default_str();
     addTransferOptions(app, a.transfer, extinction);
-    app.add_flag("--from-level-set", a.fromLevelSet, "The density grid is a level set: light its inside as fog");
+    app.add_flag("--from-level-set", a.fromLevelSet,
+                 "The density grid is a level set: light its inside, a solid of opacity 0.99 per voxel; with "
+                 "--extinction a fog");
     app.add_flag("--repair", a.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
     app.add_option(
            "--albedo", a.albedo,
@@ -222,96 +219,10 @@ std::vector<QuadLight> parseQuads(const LightArguments& a) {
     return quads;
 }
 
-std::string percent(double share) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
-    return text;
-}
-
-/// Runs `select`, and says on failure which option was to choose the grid.
-template <class Select>
-auto chosenBy(const std::string& option, const Select& select) {
-    try {
-        return select();
-    } catch (const InvalidArgument& e) {
-        throw InvalidArgument(option + ": " + e.what());
-    }
-}
-
 Color parseAlbedo(const std::string& text) {
     const Color albedo = parseColor(text, "--albedo");
     if (maxComponent(albedo) > 1) usageError("--albedo", "'" + text + "': an albedo is in [0,1]");
     return albedo;
-}
-
-void sayRepaired(const LightArguments& a, std::size_t count, const std::string& name, const std::string& what) {
-    if (count > 0)
-        warning(a.common, std::to_string(count) + (count > 1 ? " voxels" : " voxel") + " of '" + name +
-                              (count > 1 ? "' were " : "' was ") + what +
-                              (count > 1 ? " and count as 0" : " and counts as 0"));
-}
-
-/// A copy without voxels that light transport cannot work with; says how many there were.
-template <class Grid>
-typename Grid::Ptr repaired(const LightArguments& a, const Grid& grid) {
-    const typename Grid::Ptr copy = grid.deepCopy();
-    sayRepaired(a, repairVoxels(*copy), grid.getName(), "NaN, infinite or negative");
-    return copy;
-}
-
-openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile& file) {
-    const openvdb::FloatGrid::Ptr density = chosenBy("--density", [&] {
-        return a.fromLevelSet ? selectLevelSetAsFog(file, a.density) : selectDensity(file, a.density);
-    });
-    if (!a.repair) return density;
-    if (!a.transfer.given()) return repaired(a, *density);
-    // A transfer function gives negative values a meaning, too.
-    const openvdb::FloatGrid::Ptr copy = density->deepCopy();
-    sayRepaired(a, repairNotFinite(*copy), density->getName(), "NaN or infinite");
-    return copy;
-}
-
-/// Puts what the transfer function makes of the density in its place.
-void classifyMedium(const LightArguments& a, LightScene& lit) {
-    Medium& medium = lit.scene.medium;
-    const ClassifiedVolume classified = classify(*medium.density, *lit.transfer);
-    medium.density = classified.extinction;
-    medium.extinctionScale = 1;
-    medium.solid = true;
-    lit.ownExtinction = true;
-    lit.reasons.push_back(a.transfer.ramp.empty()
-                              ? "extinction: '" + lit.density + "' classified by the table '" + a.transfer.table + "'"
-                              : "extinction: '" + lit.density + "' classified by the ramp " + a.transfer.ramp);
-    if (!classified.albedo || !a.albedo.empty()) return;
-    medium.albedoGrid = classified.albedo;
-    lit.reasons.push_back("albedo: the table's colours");
-}
-
-openvdb::GridBase::ConstPtr emissionFrom(const LightArguments& a, const VdbFile& file) {
-    const openvdb::GridBase::ConstPtr emission =
-        chosenBy("--emission", [&] { return selectGrid(file, gridName(a.emission, "--emission")); });
-    if (!a.repair) return emission;
-    if (emission->isType<openvdb::FloatGrid>()) return repaired(a, static_cast<const openvdb::FloatGrid&>(*emission));
-    return repaired(a, static_cast<const openvdb::Vec3SGrid&>(*emission));
-}
-
-/// Scattering by a phase function of mean cosine g becomes isotropic scattering in a similar medium.
-void makeIsotropic(const LightArguments& a, LightScene& lit) {
-    Medium& medium = lit.scene.medium;
-    const double before = medium.extinctionScale;
-    try {
-        medium = similarIsotropicMedium(medium, a.g);
-    } catch (const InvalidArgument& e) {
-        throw InvalidArgument(std::string("--g: ") + e.what());
-    }
-    lit.ownExtinction = lit.ownExtinction || medium.albedoGrid;
-    char text[200];
-    std::snprintf(text, sizeof text, "phase function: mean cosine %.3g, by similarity as an isotropic medium", a.g);
-    lit.reasons.push_back(text);
-    if (medium.albedoGrid) return;
-    std::snprintf(text, sizeof text, " of %.4g times the extinction and albedo %.4g", medium.extinctionScale / before,
-                  double(medium.albedo.x));
-    lit.reasons.back() += text;
 }
 
 }  // namespace
@@ -346,42 +257,16 @@ void completeOptions(LightArguments& a) {
     checkSky(a.sky);
     parseRamp(a.transfer);
     if (namesGrid(a.albedo))
-        gridName(a.albedo, "--albedo");
-    else if (!a.albedo.empty() && !isGrey(parseAlbedo(a.albedo)) && a.g != 0)
+        a.albedoGrid = gridName(a.albedo, "--albedo");
+    else
+        a.uniformAlbedo = parseAlbedo(a.albedo.empty() ? kDefaultAlbedo : a.albedo);
+    if (!isGrey(a.uniformAlbedo) && a.g != 0)
         usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
     if (!(a.g > -1 && a.g < 1)) usageError("--g", "must be above -1 and below 1");
-    if (!a.emission.empty()) gridName(a.emission, "--emission");
-    parseSuns(a);
-    parsePoints(a);
-    parseQuads(a);
-}
-
-LightScene buildScene(const LightArguments& a, const VdbFile& file) {
-    LightScene lit;
-    Scene& scene = lit.scene;
-    lit.transfer = transferFunction(a.transfer);
-    scene.medium.density = densityFrom(a, file);
-    // As chosen, since a name alone does not tell "density[0]" from "density[1]".
-    lit.density = a.density.empty() ? scene.medium.density->getName() : a.density;
-    scene.medium.extinctionScale = a.extinction;
-    if (namesGrid(a.albedo))
-        scene.medium.albedoGrid =
-            chosenBy("--albedo", [&] { return selectGrid(file, gridName(a.albedo, "--albedo")); });
-    else
-        scene.medium.albedo = parseAlbedo(a.albedo.empty() ? kDefaultAlbedo : a.albedo);
-    if (lit.transfer) classifyMedium(a, lit);
-    if (a.g != 0) makeIsotropic(a, lit);
-    if (!a.emission.empty()) scene.medium.emission = emissionFrom(a, file);
-    scene.medium.emissionScale = a.emissionScale;
-    scene.suns = parseSuns(a);
-    scene.points = parsePoints(a);
-    scene.quads = parseQuads(a);
-    lit.skySuns = addSky(a.sky, scene);
-    if (lit.skySuns)
-        lit.reasons.push_back("sky map: " + std::to_string(lit.skySuns->count) +
-                              " sun(s) stand for its small bright parts, with " + percent(lit.skySuns->share) +
-                              " of its power; the rest enters with the rays");
-    return lit;
+    if (!a.emission.empty()) a.emissionGrid = gridName(a.emission, "--emission");
+    a.sunLights = parseSuns(a);
+    a.pointLights = parsePoints(a);
+    a.quadLights = parseQuads(a);
 }
 
 }  // namespace raysweep::apps

@@ -1,9 +1,9 @@
 #include "raysweep/volume/grid_select.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/volume/solid.h"
 
 #include <openvdb/points/PointDataGrid.h>
-#include <openvdb/tools/LevelSetUtil.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -129,23 +129,22 @@ FloatGrid::Ptr selectDensity(const VdbFile& file, const std::string& name) {
     return grid;
 }
 
-FloatGrid::Ptr selectLevelSetAsFog(const VdbFile& file, const std::string& name) {
+FloatGrid::Ptr selectLevelSet(const VdbFile& file, const std::string& name) {
     const FloatGrid::Ptr grid = findScalar(file, name);
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
         fail(file, "the grid " + quoted(grid->getName()) + " is not a level set; leave out --from-level-set");
-    return levelSetToFog(*grid);
+    return levelSetToSolid(*grid);
+}
+
+FloatGrid::Ptr selectSolid(const VdbFile& file, const std::string& name) {
+    const FloatGrid::Ptr grid = findScalar(file, name);
+    return grid->getGridClass() == openvdb::GRID_LEVEL_SET ? levelSetToSolid(*grid) : grid;
 }
 
 GridBase::ConstPtr selectGrid(const VdbFile& file, const std::string& name) {
     const GridBase::Ptr grid = find(file, name, isScalarOrColor, "float or vec3s");
     requireType(file, *grid, isScalarOrColor, "float or vec3s");
     return grid;
-}
-
-FloatGrid::Ptr levelSetToFog(const FloatGrid& levelSet) {
-    FloatGrid::Ptr fog = levelSet.deepCopy();
-    openvdb::tools::sdfToFogVolume(*fog);
-    return fog;
 }
 
 std::string listGrids(const VdbFile& file) {

@@ -17,13 +17,12 @@ openvdb::FloatGrid::Ptr selectDensity(const VdbFile& file, const std::string& na
 /// empty name the one called "density", else the only one. @throw InvalidArgument as selectDensity does.
 openvdb::GridBase::ConstPtr selectGrid(const VdbFile& file, const std::string& name);
 
-/// A fog volume for the inside of a level set: 1 inside, a linear ramp to 0 over its narrow band, nothing outside.
-/// The argument is left as it is.
-openvdb::FloatGrid::Ptr levelSetToFog(const openvdb::FloatGrid& levelSet);
+/// As selectDensity, but expects a level set, and returns its inside as a solid (levelSetToSolid).
+/// @throw InvalidArgument as selectDensity does, if the grid is not a level set, and if it has no inside.
+openvdb::FloatGrid::Ptr selectLevelSet(const VdbFile& file, const std::string& name = "");
 
-/// As selectDensity, but expects a level set and returns it as fog.
-/// @throw InvalidArgument as selectDensity does, and if the grid is not a level set.
-openvdb::FloatGrid::Ptr selectLevelSetAsFog(const VdbFile& file, const std::string& name = "");
+/// As selectDensity, but takes level sets, too, as solids.
+openvdb::FloatGrid::Ptr selectSolid(const VdbFile& file, const std::string& name = "");
 
 /// One line per grid, for messages: name (with [n] where it occurs more than once), type, class, active voxels.
 std::string listGrids(const VdbFile& file);

@@ -1,7 +1,6 @@
 #include "raysweep/volume/solid.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/volume/grid_select.h"
 
 #include <openvdb/tools/LevelSetUtil.h>
 
@@ -20,27 +19,9 @@ FloatGrid::Ptr levelSetToSolid(const FloatGrid& levelSet) {
     openvdb::tools::sdfToFogVolume(*solid, voxel);
     for (auto leaf = solid->tree().beginLeaf(); leaf; ++leaf)  // the ramp goes on inside
         for (auto value = leaf->beginValueOn(); value; ++value) value.setValue(std::min(*value, 1.0f));
-    return solid;
-}
-
-FloatGrid::Ptr selectSolid(const VdbFile& file, const std::string& name) {
-    // selectDensity refuses level sets, so it is shown all of them as fog; the trees are shared, not copied.
-    const std::string mark = "raysweep_level_set";
-    VdbFile shown{file.path, {}, file.metadata};
-    for (const auto& grid : file.grids) {
-        shown.grids.push_back(grid);
-        if (grid->getGridClass() != openvdb::GRID_LEVEL_SET) continue;
-        shown.grids.back() = grid->copyGrid();
-        shown.grids.back()->setGridClass(openvdb::GRID_FOG_VOLUME);
-        shown.grids.back()->insertMeta(mark, openvdb::BoolMetadata(true));
-    }
-    const FloatGrid::Ptr chosen = selectDensity(shown, name);
-    if (!(*chosen)[mark]) return chosen;
-    const FloatGrid::Ptr solid = levelSetToSolid(*chosen);
     if (solid->empty())
-        throw InvalidArgument("'" + file.path + "': the level set '" + chosen->getName() +
+        throw InvalidArgument("the level set '" + levelSet.getName() +
                               "' has no inside: no distance in it is negative");
-    solid->removeMeta(mark);
     return solid;
 }
 

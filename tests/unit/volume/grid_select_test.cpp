@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 using namespace raysweep;
 using openvdb::Coord;
 using openvdb::FloatGrid;
@@ -122,23 +120,4 @@ TEST(SelectGrid, TakesColours) {
     const auto color = add<openvdb::Vec3SGrid>(file, "Cd");
     EXPECT_EQ(selectGrid(file, "Cd"), color);
     EXPECT_THROW(selectGrid(file, "nothing"), InvalidArgument);
-}
-
-TEST(LevelSetToFog, FillsTheInsideAndKeepsTheOriginal) {
-    const FloatGrid::Ptr levelSet = FloatGrid::create(3.0f);
-    levelSet->setGridClass(openvdb::GRID_LEVEL_SET);
-    for (int x = -15; x <= 15; ++x)
-        for (int y = -15; y <= 15; ++y)
-            for (int z = -15; z <= 15; ++z) {
-                const float distance = std::sqrt(float(x * x + y * y + z * z)) - 10;
-                if (std::abs(distance) < 3) levelSet->tree().setValueOn(Coord(x, y, z), distance);
-                if (distance <= -3) levelSet->tree().setValueOff(Coord(x, y, z), -3.0f);
-            }
-    const FloatGrid::Ptr fog = levelSetToFog(*levelSet);
-    EXPECT_EQ(fog->tree().getValue(Coord(0)), 1.0f);
-    EXPECT_TRUE(fog->tree().isValueOn(Coord(0)));
-    EXPECT_EQ(fog->tree().getValue(Coord(14, 0, 0)), 0.0f);
-    EXPECT_FALSE(fog->tree().isValueOn(Coord(14, 0, 0)));
-    EXPECT_EQ(fog->getGridClass(), openvdb::GRID_FOG_VOLUME);
-    EXPECT_EQ(levelSet->tree().getValue(Coord(0)), -3.0f);
 }

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/types.h"
+#include "raysweep/volume/grid_select.h"
 
 #include <openvdb/tools/LevelSetSphere.h>
 
