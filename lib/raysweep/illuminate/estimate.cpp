@@ -20,6 +20,12 @@ double meanAbsorbingArea(const SolverState& state, double tau, double escapeProb
     return tau / meanLength * volume * escapeProbability;
 }
 
+/// Mean furnace deposit of a sweep in a voxel of a flat wall: 1/(4 pi) times the integral of the cosine.
+constexpr double kFlatWall = 0.25;
+/// Surface voxels that collect less than this part of a flat wall's are buried: their radiosity would be a ratio of
+/// next to nothing and next to nothing.
+constexpr double kLeastSeen = 0.02;
+
 /// Source radiance of the voxels of a brick, in `radianceUnit`.
 class BrickRadiance {
   public:
@@ -35,6 +41,7 @@ class BrickRadiance {
         if (!normals_) return;
         const std::uint32_t slot = state.surfaces.slots[b];
         if (!state.furnace.empty()) furnace_ = state.furnace.brick(slot);
+        leastFurnace_ = kLeastSeen * kFlatWall * state.furnaceSweeps;
         if (!state.hasSource()) return;
         seen_ = state.seen[channel].brick(slot);
         emitted_ = state.emitted[channel].brick(slot);
@@ -42,7 +49,7 @@ class BrickRadiance {
 
     bool isKnown(int i) const {
         if (!(tau_[i] > 0)) return false;
-        return isSurface(i) ? !furnace_ || furnace_[i] > 0 : double(tau_[i]) < solidTau_;
+        return isSurface(i) ? !furnace_ || double(furnace_[i]) > leastFurnace_ : double(tau_[i]) < solidTau_;
     }
 
     /// The part that comes straight from sources.
@@ -75,6 +82,7 @@ class BrickRadiance {
     const float* emitted_ = nullptr;
     const float* furnace_ = nullptr;
     double solidTau_ = INFINITY;
+    double leastFurnace_ = 0;
     alignas(64) float g_[kBrickVoxels];
 };
 
