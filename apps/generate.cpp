@@ -108,6 +108,8 @@ void requireFitting(const CLI::App& command, const std::string& kind) {
     if (kind != "box") refuse({"--dims"}, "the box");
     if (kind != kRoom)
         refuse({"--volume", "--volume-grid", "--crop-slices", "--wall", "--open-front", "--coloured"}, kRoom);
+    if (kind == kRoom) refuse({"--density", "--soft"}, "clouds, spheres and boxes");
+    if (kind != "sphere") refuse({"--soft"}, "the sphere");
     if (kind == kRoom && command.count("--volume") > 0) refuse({"--voxel-size"}, "volumes made from nothing");
     if (kind == kRoom && command.count("--volume") == 0) refuse({"--volume-grid", "--crop-slices"}, "--volume");
 }

@@ -65,6 +65,7 @@ openvdb::GridBase::Ptr extinctionGrid(const LightArguments& a, const LightScene&
     const auto scale = float(lit.scene.medium.extinctionScale);
     if (scale != 1)
         for (auto on = grid->beginValueOn(); on; ++on) on.setValue(*on * scale);
+    grid->setName("extinction");
     setMetadata(*grid, a, lit);
     return grid;
 }

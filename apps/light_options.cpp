@@ -91,13 +91,15 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
               "What voxels and rays exchange; auto: surfaces in solids (--ramp, --transfer, level sets), else medium; "
               "paper: Algorithm 1 as printed");
     app.add_option("--surface-threshold", o.surfaceThreshold,
-                   "A voxel of a solid is a surface where opacity changes by more than this per voxel, [0,1]")
+                   "A voxel of a solid is a surface where opacity changes by more than this per voxel, (0,1]")
         ->capture_default_str();
     app.add_option("--tolerance", a.tolerance,
                    "Stop when 20 sweeps change the answer by less than this part (RMS of radiosity); 0: never "
                    "(default: 0.01)")
         ->type_name("T");
-    app.add_option("--sweeps", o.sweeps, "Most sweeps; with --tolerance 0 the exact number; 0: single scattering only")
+    app.add_option(
+           "--sweeps", o.sweeps,
+           "Most sweeps; with --tolerance 0 the exact number; 0: light of suns and points alone, scattered once")
         ->capture_default_str();
     app.add_option("--quality", a.quality, "The tolerance by name: 0.03, 0.01 or 0.003; --tolerance wins")
         ->check(CLI::IsMember(kQualities).description(""))
@@ -254,6 +256,7 @@ void completeOptions(LightArguments& a) {
     if (!(a.resolution > 0 && a.resolution <= 1)) usageError("--resolution", "must be above 0 and at most 1");
     requireFactor(a.extinction, "--extinction");
     requireFactor(a.emissionScale, "--emission-scale");
+    if (a.upsample && a.resolution == 1) usageError("--upsample", "is for --resolution below 1 only");
     checkSky(a.sky);
     parseRamp(a.transfer);
     if (namesGrid(a.albedo))

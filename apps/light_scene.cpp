@@ -36,9 +36,11 @@ typename Grid::Ptr repaired(const LightArguments& a, const Grid& grid) {
     return copy;
 }
 
-openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile& file) {
+/// The density that is lit. Where it is none of the input's grids the output must hold what became of it.
+openvdb::FloatGrid::ConstPtr densityFrom(const LightArguments& a, const VdbFile& file, LightScene& lit) {
     const openvdb::FloatGrid::Ptr density = chosenBy(
         "--density", [&] { return a.fromLevelSet ? selectLevelSet(file, a.density) : selectDensity(file, a.density); });
+    lit.ownExtinction = a.fromLevelSet || a.repair;
     if (!a.repair) return density;
     if (!a.transfer.given()) return repaired(a, *density);
     // A transfer function gives negative values a meaning, too.
@@ -102,7 +104,7 @@ LightScene buildScene(const LightArguments& a, const VdbFile& file) {
     LightScene lit;
     Scene& scene = lit.scene;
     lit.transfer = transferFunction(a.transfer);
-    scene.medium.density = densityFrom(a, file);
+    scene.medium.density = densityFrom(a, file, lit);
     // As chosen, since a name alone does not tell "density[0]" from "density[1]".
     lit.density = a.density.empty() ? scene.medium.density->getName() : a.density;
     scene.medium.extinctionScale = a.extinction;

@@ -148,7 +148,9 @@ class Medium:
         self.grid = plain_name(args.density or lit.get("raysweep_density", "density"))
         self.factor = lit.get("raysweep_extinction") if args.extinction is None else args.extinction
         # A transfer function leaves the extinction itself in a grid of this name.
-        if info and grid_named(info, "extinction") and not args.density and args.extinction is None:
+        written = info and grid_named(info, "extinction")
+        written = written and "raysweep_density" in written["metadata"]  # not one of the user's own
+        if written and not args.density and args.extinction is None:
             self.factor = self.factor if self.grid == "extinction" else 1.0
             self.grid = "extinction"
         if self.factor is None:

@@ -16,6 +16,8 @@
 #include "raysweep/volume/engine_room.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/phantom.h"
+#include "raysweep/volume/resample.h"
+#include "raysweep/volume/similarity.h"
 #include "raysweep/volume/solid.h"
 #include "raysweep/volume/vdb_io.h"
 #include "raysweep/volume/volume_import.h"

@@ -40,11 +40,14 @@ light cloud.vdb -o half.vdb "${coloured[@]}" --half
 light turned.vdb -o turned-lit.vdb "${grey[@]}"
 light cloud.vdb -o coarse.vdb "${coloured[@]}" --resolution 0.4
 light turned.vdb -o turned-coarse.vdb "${grey[@]}" --resolution 0.5 --half
+# A solid: the file's own extinction and surfaces.
+light cloud.vdb -o solid.vdb --ramp 0.1,0.6,0.5 --sun 0.3,-1,-0.5,3 --sky 0.3
 
 view=(--size 96,96)
 both grey grey.vdb "${view[@]}"
 both coloured coloured.vdb "${view[@]}" --up 0,1,0 --fov 25
 both half half.vdb "${view[@]}" --ortho 2.4
+both solid solid.vdb "${view[@]}"
 both turned turned-lit.vdb --size 120,80 --eye 4,-6,3 --target 3,-2,1 --fov 33
 # Radiosity on longer voxels: the script has a copy made in which each grid is in its place.
 both coarse coarse.vdb "${view[@]}"

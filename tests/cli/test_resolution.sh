@@ -33,6 +33,7 @@ expect_json up.json "abs($(edge radiosity) / $(edge density) - 1) < 1e-12"
 for name in full half up; do render $name; done
 expect_exit 0 "$raysweep" compare half.exr full.exr --max-rms 0.01
 expect_exit 1 "$raysweep" compare half.exr full.exr --max-rms 1e-5
+expect_match "is above --max-rms"
 expect_exit 0 "$raysweep" compare up.exr half.exr --max-rms 0.001
 expect_exit 0 "$raysweep" compare half.vdb up.vdb --grid radiosity --max-rms 1e-6
 expect_output "resampled      half.vdb onto the voxels of up.vdb"

@@ -33,6 +33,9 @@ expect_json report.json "r['voxels_surface'] > 0 and 'ramp 0,1' in r['plan'][0]"
 light level-set.vdb -o lit.vdb --from-level-set --extinction 1 --sky 1
 expect_json report.json "r['voxels_surface'] == 0"
 
+expect_exit 0 "$raysweep" render lit.vdb -o fog.exr --size 16,16
+refuse 2 "is for --resolution below 1 only" --upsample
+
 # A quad sends out pi L A, and is not a light that must be passed over directly.
 light sphere.vdb -o lit.vdb --ramp 0,1 --quad=-0.5,-0.5,1.5,0,1,0,1,0,0,2 --tolerance 0.05
 expect_json report.json "abs(r['power_injected'] / (math.pi * 2) - 1) < 1e-4 and any('1 quad' in p for p in r['plan'])"

@@ -78,7 +78,7 @@ void addSeen(SolverState& state, const Visibility& visibility, const Color& powe
 
 /// In the paper's model all that is known of light on a surface is what was deposited.
 bool showsDirectLight(const SolverState& state) {
-    return !state.surfaces.empty() && state.exchange == ExchangeModel::consistent;
+    return state.solids && state.exchange == ExchangeModel::consistent;
 }
 
 /// A sun's light comes down in one `linear` sweep that shoots nothing.

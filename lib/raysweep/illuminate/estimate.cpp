@@ -22,8 +22,8 @@ double meanAbsorbingArea(const SolverState& state, double tau, double escapeProb
 
 /// Mean furnace deposit of a sweep in a voxel of a flat wall: 1/(4 pi) times the integral of the cosine.
 constexpr double kFlatWall = 0.25;
-/// Surface voxels that collect less than this part of a flat wall's are buried: their radiosity would be a ratio of
-/// next to nothing and next to nothing.
+/// Surface voxels that collect less than this part of a flat wall's are buried, or hardly there: their radiosity would
+/// be a ratio of next to nothing and next to nothing.
 constexpr double kLeastSeen = 0.02;
 
 /// Source radiance of the voxels of a brick, in `radianceUnit`.
@@ -49,7 +49,9 @@ class BrickRadiance {
 
     bool isKnown(int i) const {
         if (!(tau_[i] > 0)) return false;
-        return isSurface(i) ? !furnace_ || double(furnace_[i]) > leastFurnace_ : double(tau_[i]) < solidTau_;
+        if (!isSurface(i)) return double(tau_[i]) < solidTau_;
+        // Fog where a quad light is has no say of its own.
+        return state_.solids && (!furnace_ || double(furnace_[i]) > leastFurnace_);
     }
 
     /// The part that comes straight from sources.
@@ -58,16 +60,19 @@ class BrickRadiance {
         return seen_ ? double(seen_[i]) + double(emitted_[i]) * perPower(i) : 0;
     }
 
-    /// The part that comes from a deposit (per injection, in powerUnit).
-    double scattered(int i, double deposit) const { return double(g_[i]) * deposit * perPower(i); }
+    /// Radiance that the voxel has met: its deposit (per injection, in powerUnit) over F.
+    double met(int i, double deposit) const { return deposit * perPower(i); }
+    /// The part of it that is scattered.
+    double scattered(int i, double met) const { return double(g_[i]) * met; }
 
   private:
     bool isSurface(int i) const { return normals_ && normals_[i] != 0; }
 
-    /// 1 / F, in units of 1 / voxelFace.
+    /// 1 / F, in units of 1 / voxelFace. Without sweeps F is taken to be that of a flat wall.
     double perPower(int i) const {
-        if (isSurface(i))
-            return furnace_ && furnace_[i] > 0 ? state_.furnaceSweeps / (4 * kPi * double(furnace_[i])) : 0;
+        if (isSurface(i) && furnace_)
+            return furnace_[i] > 0 ? state_.furnaceSweeps / (4 * kPi * double(furnace_[i])) : 0;
+        if (isSurface(i)) return 1 / kPi;
         const double tau = double(tau_[i]);
         const double p = exact_ ? state_.escape.probability(tau) : state_.escape.fit().probability(tau);
         return state_.voxelFace() / (4 * kPi * meanAbsorbingArea(state_, tau, p));
@@ -115,8 +120,8 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
         for (int i = 0; i < kBrickVoxels; ++i) {
             if (radiance.isKnown(i)) {
                 const double deposit = double(total[i]) + double(recent[i]);
-                const double value = radiance.directly(i) + radiance.scattered(i, deposit * now);
-                const double change = radiance.scattered(i, deposit * now - double(total[i]) * then);
+                const double value = radiance.directly(i) + radiance.scattered(i, radiance.met(i, deposit * now));
+                const double change = radiance.scattered(i, radiance.met(i, deposit * now - double(total[i]) * then));
                 sum.value += value * value;
                 sum.difference += change * change;
             }
@@ -196,12 +201,13 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
         double deposit =
             swept ? double(state.total[channel].brick(b)[i]) + double(state.recent[channel].brick(b)[i]) : 0;
         if (!extra.empty()) deposit += double(extra.brick(b)[i]);
-        radiosity.brick(b)[i] = value.isKnown(i) ? float(value.scattered(i, deposit * perInjection)) : 0.0f;
+        radiosity.brick(b)[i] = value.isKnown(i) ? float(value.met(i, deposit * perInjection)) : 0.0f;
     });
     evenOutSurfaces(state, radiosity);
     forEachBrick([&](const BrickRadiance& value, std::size_t b, int i) {
         float& S = radiosity.brick(b)[i];
-        S = value.isKnown(i) ? float((double(S) + value.directly(i)) * state.radianceUnit()) : kUnknown;
+        S = value.isKnown(i) ? float((value.scattered(i, double(S)) + value.directly(i)) * state.radianceUnit())
+                             : kUnknown;
     });
     fillSolids(state, radiosity);
 }

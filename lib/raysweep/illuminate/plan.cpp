@@ -92,7 +92,7 @@ void IlluminateOptions::validate() const {
     requireBetween("sweeps", sweeps, 0, 1e9);
     requireBetween("unshot share", unshotShare, 0, 1, true);
     requireBetween("batch", batch, 1, 1e6);
-    requireBetween("surface threshold", surfaceThreshold, 0, 1);
+    requireBetween("surface threshold", surfaceThreshold, 0, 1, true);
     requireBetween("snapshot interval", snapshotEvery, 0, 1e9);
 }
 

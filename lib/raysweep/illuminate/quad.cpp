@@ -9,7 +9,7 @@ namespace raysweep {
 namespace {
 
 constexpr int kSamplesPerVoxel = 4;  ///< along each edge
-constexpr double kMostVoxels = 1e8;
+constexpr double kMostVoxels = 1e7;
 
 openvdb::Vec3d vdbVector(const Vec3& v) {
     return {v.x, v.y, v.z};
@@ -21,13 +21,14 @@ openvdb::FloatGrid::Ptr rasterizeQuad(const QuadLight& quad, const openvdb::math
     const auto inIndex = [&](const Vec3& at) { return transform.worldToIndex(vdbVector(at)); };
     const openvdb::Vec3d corner = inIndex(quad.corner);
     const openvdb::Vec3d u = inIndex(quad.corner + quad.u) - corner, v = inIndex(quad.corner + quad.v) - corner;
-    if (u.length() * v.length() > kMostVoxels)
-        throw InvalidArgument("a quad light covers more than 1e8 voxels; is it in the units of the volume?");
+    if (std::max(1.0, u.length()) * std::max(1.0, v.length()) > kMostVoxels)
+        throw InvalidArgument("a quad light covers more than 1e7 voxels; is it in the units of the volume?");
     const auto count = [](double voxels) { return std::max(1, int(std::ceil(voxels * kSamplesPerVoxel))); };
     const int countU = count(u.length()), countV = count(v.length());
     // A quad exactly between two layers of voxels takes the one that it shines into, and not, by rounding, some of
     // both.
-    const openvdb::Vec3d ahead = u.cross(v).unit() * 1e-4;
+    const bool mirrored = transform.baseMap()->determinant() < 0;
+    const openvdb::Vec3d ahead = u.cross(v).unit() * (mirrored ? -1e-4 : 1e-4);
     const double area = quad.u.cross(quad.v).length() / (double(countU) * double(countV));
     auto grid = openvdb::FloatGrid::create(0);
     grid->setTransform(transform.copy());

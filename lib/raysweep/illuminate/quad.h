@@ -7,7 +7,7 @@
 namespace raysweep {
 
 /// World area of the quad in each voxel it passes; the values sum to its whole area. Active where it is.
-/// @throw InvalidArgument for a quad of more than 1e8 voxels
+/// @throw InvalidArgument for a quad of more than 1e7 voxels
 openvdb::FloatGrid::Ptr rasterizeQuad(const QuadLight& quad, const openvdb::math::Transform& transform);
 
 }  // namespace raysweep

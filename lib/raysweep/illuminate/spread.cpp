@@ -21,12 +21,11 @@ bool scaleTo(BrickField& field, double total) {
 
 BrickField spreadUnshot(const SolverState& state, int channel) {
     const BrickLayout& layout = state.volume.layout;
-    const BrickMap map(layout);
     const Matrix3 indexFromWorld = layout.worldFromIndex.inverse();
     BrickField weights(layout.brickCount());
     const auto fill = [&](bool withGradient) {
         parallelFor(layout.brickCount(), [&](std::size_t b) {
-            const PaddedBrick<float> tau(layout, map, state.volume.periodic, b,
+            const PaddedBrick<float> tau(layout, state.volume.map, state.volume.periodic, b,
                                          [&](std::size_t n) { return state.tau.brick(n); });
             for (int i = 0; i < kBrickVoxels; ++i) {
                 const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;

@@ -35,11 +35,10 @@ void checkEmission(const openvdb::GridBase& grid) {
 /// Makes the voxels that a quad passes a surface that looks where the quad does.
 void addQuadNormals(SolverState& state, const QuadLight& quad, const openvdb::FloatGrid& areas) {
     const PackedNormal normal = packNormal(quad.u.cross(quad.v).normalized());
-    const BrickMap map(state.volume.layout);
     for (auto area = areas.cbeginValueOn(); area; ++area) {
         const Index3 voxel(area.getCoord().x(), area.getCoord().y(), area.getCoord().z());
-        addSurfaceBrick(state.surfaces, state.volume.layout.brickCount(), map.find(voxel))[offsetInBrick(voxel)] =
-            normal;
+        addSurfaceBrick(state.surfaces, state.volume.layout.brickCount(),
+                        state.volume.map.find(voxel))[offsetInBrick(voxel)] = normal;
     }
 }
 
@@ -69,6 +68,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     state.volume.periodic = options.periodic;
     state.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
     state.surfaceThreshold = options.surfaceThreshold;
+    state.solids = plan.surfaces;
     state.channels = plan.channels;
 
     const BrickLayout& bricks = state.volume.layout;
@@ -83,7 +83,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
 
     if (plan.surfaces)
         state.surfaces =
-            findSurfaces(bricks, state.tau, options.periodic,
+            findSurfaces(bricks, state.volume.map, state.tau, options.periodic,
                          std::cbrt(bricks.voxelVolume) / state.escape.meanStepLength(), options.surfaceThreshold);
     state.quadAreas = std::move(quadAreas);
     for (std::size_t i = 0; i < scene.quads.size(); ++i) addQuadNormals(state, scene.quads[i], *state.quadAreas[i]);
@@ -110,7 +110,7 @@ void allocateSweepFields(SolverState& state, const IlluminateOptions& options) {
         state.total[c] = BrickField(bricks);
         if (options.interpolation == Interpolation::linear) state.fresh[c] = BrickField(bricks);
     }
-    if (!state.surfaces.empty()) state.furnace = BrickField(state.surfaces.bricks.size());
+    if (state.solids) state.furnace = BrickField(state.surfaces.bricks.size());
 }
 
 ExchangeFields exchangeFields(SolverState& state, bool injecting) {

@@ -15,6 +15,7 @@ struct SolverState {
     SweepVolume volume;
     Escape escape;
     ExchangeModel exchange = ExchangeModel::consistent;
+    bool solids = false;  ///< surfaces are more than those of quad lights
     Surfaces surfaces;
     double surfaceThreshold = 0;
     int channels = 1;
@@ -47,6 +48,7 @@ struct SolverState {
     /// tau from which on a voxel without a surface is the inside of a solid, if there are solids: an opacity that would
     /// make a surface if it began there.
     double solidTau() const {
+        if (!solids) return INFINITY;
         return -std::log1p(-surfaceThreshold) * escape.meanStepLength() / std::cbrt(volume.layout.voxelVolume);
     }
     bool hasSource() const { return !source[0].empty(); }

@@ -26,22 +26,26 @@ struct Filled {
 
 /// Means of the known neighbours of unknown voxels that can be seen `depth` voxels deep. @return true if there may be
 /// more to do in this brick
-bool fillBrick(const SolverState& state, const BrickMap& map, const BrickField& radiosity, std::size_t b, int depth,
+bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_t b, int depth,
                std::vector<Filled>& filled) {
     const double thickest = -std::log(kVisible) / depth;
     const float* const tau = state.tau.brick(b);
     const float* const own = radiosity.brick(b);
-    const auto isCandidate = [&](int i) { return own[i] < 0 && tau[i] > 0 && double(tau[i]) < thickest; };
-    bool any = false;
-    for (int i = 0; i < kBrickVoxels && !any; ++i) any = isCandidate(i);
-    if (!any && depth > 1) return false;
-    const PaddedBrick<float> values(state.volume.layout, map, state.volume.periodic, b,
+    const auto isUnknown = [&](int i) { return own[i] < 0 && tau[i] > 0; };
+    const auto isSeen = [&](int i) { return double(tau[i]) < thickest; };
+    bool unknown = false, seen = false;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        unknown = unknown || isUnknown(i);
+        seen = seen || (isUnknown(i) && isSeen(i));
+    }
+    // The first layer is always seen: by interpolation.
+    if (!(depth == 1 ? unknown : seen)) return false;
+    const PaddedBrick<float> values(state.volume.layout, state.volume.map, state.volume.periodic, b,
                                     [&](std::size_t n) { return radiosity.brick(n); });
-    const PaddedBrick<float> depths(state.volume.layout, map, state.volume.periodic, b,
+    const PaddedBrick<float> depths(state.volume.layout, state.volume.map, state.volume.periodic, b,
                                     [&](std::size_t n) { return state.tau.brick(n); });
     for (int i = 0; i < kBrickVoxels; ++i) {
-        // The first layer is always seen: by interpolation.
-        if (!(depth == 1 ? own[i] < 0 && tau[i] > 0 : isCandidate(i))) continue;
+        if (!isUnknown(i) || !(depth == 1 || isSeen(i))) continue;
         double sum = 0;
         int count = 0;
         for (int n = 0; n < 27; ++n) {
@@ -52,22 +56,22 @@ bool fillBrick(const SolverState& state, const BrickMap& map, const BrickField& 
         }
         if (count > 0) filled.push_back({i, float(sum / count)});
     }
-    return any;
+    return seen;
 }
 
 }  // namespace
 
-void evenOutSurfaces(const SolverState& state, BrickField& scattered) {
+void evenOutSurfaces(const SolverState& state, BrickField& met) {
     if (state.furnace.empty()) return;
     const BrickLayout& layout = state.volume.layout;
-    const BrickMap map(layout);
+    const BrickMap& map = state.volume.map;
     const auto slotOf = [&](std::size_t b) { return state.surfaces.slots[b]; };
     BrickField even(state.surfaces.bricks.size());
     parallelFor(layout.brickCount(), [&](std::size_t b) {
         const PackedNormal* const own = state.surfaces.normals(b);
         if (!own) return;
         const Periodic& periodic = state.volume.periodic;
-        const PaddedBrick<float> values(layout, map, periodic, b, [&](std::size_t n) { return scattered.brick(n); });
+        const PaddedBrick<float> values(layout, map, periodic, b, [&](std::size_t n) { return met.brick(n); });
         const PaddedBrick<PackedNormal> normals(layout, map, periodic, b,
                                                 [&](std::size_t n) { return state.surfaces.normals(n); });
         const PaddedBrick<float> weights(layout, map, periodic, b, [&](std::size_t n) {
@@ -88,20 +92,19 @@ void evenOutSurfaces(const SolverState& state, BrickField& scattered) {
     for (std::size_t b = 0; b < layout.brickCount(); ++b) {
         const PackedNormal* const own = state.surfaces.normals(b);
         for (int i = 0; own && i < kBrickVoxels; ++i)
-            if (own[i] != 0) scattered.brick(b)[i] = even.brick(slotOf(b))[i];
+            if (own[i] != 0) met.brick(b)[i] = even.brick(slotOf(b))[i];
     }
 }
 
 void fillSolids(const SolverState& state, BrickField& radiosity) {
     if (state.furnace.empty()) return;
-    const BrickMap map(state.volume.layout);
     std::vector<std::size_t> bricks(state.volume.layout.brickCount());
     for (std::size_t b = 0; b < bricks.size(); ++b) bricks[b] = b;
     for (int depth = 1; depth <= kDeepest && !bricks.empty(); ++depth) {
         std::vector<std::vector<Filled>> filled(bricks.size());
         std::vector<char> more(bricks.size());
         parallelFor(bricks.size(),
-                    [&](std::size_t i) { more[i] = fillBrick(state, map, radiosity, bricks[i], depth, filled[i]); });
+                    [&](std::size_t i) { more[i] = fillBrick(state, radiosity, bricks[i], depth, filled[i]); });
         std::vector<std::size_t> left;
         for (std::size_t i = 0; i < bricks.size(); ++i) {
             for (const Filled& f : filled[i]) radiosity.brick(bricks[i])[f.voxel] = f.value;

@@ -9,7 +9,7 @@
 namespace raysweep {
 namespace {
 
-/// Radians. Narrower groups are not divided: a sun of half a degree's radius throws no softer shadows in a volume.
+/// Radians. Narrower groups are not divided: a sun of a degree's radius throws no softer shadows in a volume.
 constexpr double kNarrow = 0.01;
 /// Radians: a disc of 4 degrees' radius. A part of the sky that so many suns cannot cover is so large that sweep
 /// directions find it often enough, and suns so far apart would show.

@@ -33,7 +33,6 @@ struct Pyramid {
 /// What rays read and write.
 struct Field {
     const PointSource& source;
-    BrickMap map;
     FixedField power;
     FixedField furnace;
     double unitsPerPower;  ///< of both
@@ -154,7 +153,7 @@ double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray r
                 voxel[axis.column] = u.voxel + du;
                 voxel[axis.row] = v.voxel + dv;
                 const Index3 cell(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
-                if (cell != lastCell) brick = field.map.find(voxel);
+                if (cell != lastCell) brick = field.source.volume.map.find(voxel);
                 lastCell = cell;
                 if (brick == kNoBrick) continue;
                 meetVoxel(field, ray, {brick, offsetInBrick(voxel)}, weight, length, met);
@@ -230,8 +229,8 @@ PointDeposit depositFromPoint(const PointSource& source) {
         sent += sumOverCells(pyramid, [&](int column, int row) { return cellOf(pyramid, world, column, row).power; });
 
     const std::size_t surfaceBricks = source.surfaces ? source.surfaces->bricks.size() : 0;
-    Field field{source, BrickMap(layout), FixedField(layout.brickCount() * kBrickVoxels),
-                FixedField(surfaceBricks * kBrickVoxels), kFixedPoint / std::max(sent, 1e-300)};
+    Field field{source, FixedField(layout.brickCount() * kBrickVoxels), FixedField(surfaceBricks * kBrickVoxels),
+                kFixedPoint / std::max(sent, 1e-300)};
     for (const Pyramid& pyramid : pyramids)
         left += sumOverCells(pyramid, [&](int column, int row) {
             const Cell cell = cellOf(pyramid, world, column, row);

@@ -20,10 +20,11 @@
 /// is taken in and attenuated like power inside them. What it leaves behind is the voxel's furnace deposit F.
 ///
 /// "Outside" has to be told with care, or rays are counted twice (F too large) or not at all. Inside are surface
-/// voxels, and opaque ones behind them: a ray set back to 1 there would count again where it comes upon another surface
-/// from within, at every concave edge. A ray that cuts a step of a staircase and soon meets the next one is still the
-/// same ray: it must have been outside for kSurfaceGap slices. But one that left a wall through its surface, and not at
-/// a glancing angle (kLeavingCosine), is new, however near the next wall is. (Measured in docs/decisions/0005.)
+/// voxels, and opaque ones behind them (in bricks that have a surface): a ray set back to 1 there would count again
+/// where it comes upon another surface from within, at every concave edge. A ray that cuts a step of a staircase and
+/// soon meets the next one is still the same ray: it must have been outside for kSurfaceGap slices. But one that left a
+/// wall through its surface, and not at a glancing angle (kLeavingCosine), is new, however near the next wall is.
+/// (Measured in docs/decisions/0005.)
 #pragma once
 
 #include "raysweep/sweep/escape.h"

@@ -95,7 +95,9 @@ CrossingRays::CrossingRays(const RayFront& front, int channelCount, bool withFur
     rows = face(front.row);
     const std::size_t rays = std::size_t(rows.size()) * std::size_t(columns.size());
     power.assign(std::size_t(channels) * rays, 0.0f);
-    if (withFurnace) furnace.assign(rays, -1.0f);
+    if (!withFurnace) return;
+    furnace.assign(rays, 0.0f);
+    slice.assign(rays, 0.0f);
 }
 
 RayFront nextRepetition(const RayFront& front) {

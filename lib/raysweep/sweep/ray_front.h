@@ -81,7 +81,8 @@ struct CrossingRays {
     RayRange columns, rows;
     int channels = 0;
     std::vector<float> power;
-    std::vector<float> furnace;  ///< negative for rays that are outside of all surfaces; empty if not measured
+    std::vector<float> furnace;  ///< empty if not measured
+    std::vector<float> slice;    ///< in which a ray was in a solid last, as the next repetition counts
 
     CrossingRays() = default;
     CrossingRays(const RayFront& front, int channelCount, bool withFurnace);
@@ -90,6 +91,7 @@ struct CrossingRays {
                      index(row, column)];
     }
     float& furnaceAt(int row, int column) { return furnace[index(row, column)]; }
+    float& sliceAt(int row, int column) { return slice[index(row, column)]; }
 
   private:
     std::size_t index(int row, int column) const {

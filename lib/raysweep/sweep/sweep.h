@@ -5,6 +5,7 @@
 #include "raysweep/sweep/exchange.h"
 #include "raysweep/sweep/ray_front.h"
 #include "raysweep/sweep/tile_index.h"
+#include "raysweep/volume/brick_map.h"
 
 #include <array>
 
@@ -17,9 +18,10 @@ enum class Interpolation {
 
 /// Bricks and their order along each axis.
 struct SweepVolume {
-    explicit SweepVolume(BrickLayout bricks) : layout(std::move(bricks)), index(indexTiles(layout)) {}
+    explicit SweepVolume(BrickLayout bricks) : layout(std::move(bricks)), map(layout), index(indexTiles(layout)) {}
 
     BrickLayout layout;
+    BrickMap map;
     std::array<TileIndex, 3> index;
     Periodic periodic{false, false, false};
 };

@@ -52,9 +52,8 @@ void TileRays::arrive(const RayFront& front, const RayTile& tile, CrossingRays& 
         sums.rays -= columns.size();
         const int local = r - tile.rows.begin;
         for (int u = columns.begin; furnace_ && !arriving.furnace.empty() && u < columns.end; ++u) {
-            const float f = arriving.furnaceAt(r, u);
-            furnaceRow(local)[u - tile.columns.begin] = f;
-            sliceRow(local)[u - tile.columns.begin] = f < 0 ? kLongAgo : -1.0f;
+            furnaceRow(local)[u - tile.columns.begin] = arriving.furnaceAt(r, u);
+            sliceRow(local)[u - tile.columns.begin] = arriving.sliceAt(r, u);
         }
         for (int c = 0; c < arriving.channels; ++c)
             for (int u = columns.begin; u < columns.end; ++u)
@@ -70,9 +69,10 @@ void TileRays::goOn(const RayFront& front, const RayTile& tile, CrossingRays& le
         for (int u = 0; u < columns_; ++u) {
             const int there = rayInNextRepetition(front, front.column, tile.columns.begin + u);
             if (there < leaving.columns.begin || there >= leaving.columns.end) continue;
-            if (furnace_)
-                leaving.furnaceAt(rowThere, there) =
-                    sliceRow(r)[u] >= float(front.slices - 1 - kSurfaceGap) ? furnaceRow(r)[u] : -1.0f;
+            if (furnace_) {
+                leaving.furnaceAt(rowThere, there) = furnaceRow(r)[u];
+                leaving.sliceAt(rowThere, there) = sliceRow(r)[u] - float(front.slices);
+            }
             for (int c = 0; c < leaving.channels; ++c) {
                 float& ray = row(r)[std::size_t(c) * plane_ + std::size_t(u)];
                 leaving.at(c, rowThere, there) = ray;

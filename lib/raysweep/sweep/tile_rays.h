@@ -17,8 +17,7 @@ class TileRays {
 
     /// Rays of a row of the tile; the next channel's are `planeStride` on.
     float* row(int row) { return energy_.data() + std::size_t(row) * stride_ + kPad; }
-    /// f of the rays of a row, and the slice for which it holds: that after the last one where the ray was in a
-    /// surface.
+    /// f of the rays of a row, and the slice in which they were in a solid last.
     float* furnaceRow(int row) { return this->row(row) + std::size_t(channels_) * plane_; }
     float* sliceRow(int row) { return this->row(row) + std::size_t(channels_ + 1) * plane_; }
     int columns() const { return columns_; }

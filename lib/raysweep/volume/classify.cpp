@@ -38,18 +38,27 @@ FloatGrid::Ptr extinctionOf(const FloatGrid& density, const TransferFunction& fu
         return float(extinctionFromOpacity(evaluate(function, double(value)).opacity, edge));
     });
     openvdb::tools::deactivate(extinction->tree(), 0.0f);
-    openvdb::tools::prune(extinction->tree());
     extinction->setName("extinction");
     extinction->setGridClass(openvdb::GRID_FOG_VOLUME);
     return extinction;
 }
 
-template <class GridType, class ValueOf>
-openvdb::GridBase::Ptr albedoOf(const FloatGrid& density, const FloatGrid& extinction, const ValueOf& valueOf) {
-    const auto albedo = mappedGrid<GridType>(density, extinction.tree(), valueOf);
+template <class GridType, class ColorOf>
+openvdb::GridBase::Ptr albedoOf(const FloatGrid& density, const FloatGrid& extinction, const TransferFunction& function,
+                                const ColorOf& colorOf) {
+    const auto albedo = mappedGrid<GridType>(density, extinction.tree(), [&](float value, const Coord&) {
+        return colorOf(evaluate(function, double(value)).color);
+    });
     openvdb::tools::prune(albedo->tree());
     albedo->setName("albedo");
     return albedo;
+}
+
+openvdb::GridBase::Ptr albedoOf(const FloatGrid& density, const FloatGrid& extinction,
+                                const TransferFunction& function) {
+    if (isGreyEverywhere(function))
+        return albedoOf<FloatGrid>(density, extinction, function, [](const Color& c) { return c.x; });
+    return albedoOf<Vec3SGrid>(density, extinction, function, [](const Color& c) { return Vec3s(c.x, c.y, c.z); });
 }
 
 }  // namespace
@@ -62,16 +71,9 @@ ClassifiedVolume classify(const FloatGrid& density, const TransferFunction& exac
                               "' has a transform that is not linear (a frustum?); resample it");
     checkFinite(density, density.getName().empty() ? "density" : density.getName());
     ClassifiedVolume volume{extinctionOf(density, function), nullptr};
-    if (!function.coloured) return volume;
-    if (isGreyEverywhere(function))
-        volume.albedo = albedoOf<FloatGrid>(density, *volume.extinction, [&](float value, const Coord&) {
-            return evaluate(function, double(value)).color.x;
-        });
-    else
-        volume.albedo = albedoOf<Vec3SGrid>(density, *volume.extinction, [&](float value, const Coord&) {
-            const Color color = evaluate(function, double(value)).color;
-            return Vec3s(color.x, color.y, color.z);
-        });
+    // Not pruned before the albedo has been made from its voxels: equal opacities may have different colours.
+    if (function.coloured) volume.albedo = albedoOf(density, *volume.extinction, function);
+    openvdb::tools::prune(volume.extinction->tree());
     return volume;
 }
 

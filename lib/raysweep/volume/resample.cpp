@@ -35,7 +35,7 @@ typename GridType::Ptr withVoxelsOf(const ShapeType& shape) {
     return grid;
 }
 
-/// Sets every active voxel (there are no active tiles) to `valueAt(coordinate, accessors made by makeAccessors)`.
+/// Sets every active voxel (there are no active tiles) to what a sampler says of its coordinate.
 template <class GridType, class MakeSampler>
 void setActive(GridType& grid, const MakeSampler& makeSampler) {
     openvdb::tree::LeafManager<typename GridType::TreeType> leaves(grid.tree());

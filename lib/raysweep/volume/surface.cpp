@@ -53,10 +53,9 @@ Vec3 unpackNormal(PackedNormal normal) {
     return unit;
 }
 
-Surfaces findSurfaces(const BrickLayout& layout, const BrickField& tau, const Periodic& periodic, double perVoxel,
-                      double threshold) {
+Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
+                      double perVoxel, double threshold) {
     const std::size_t bricks = layout.brickCount();
-    const BrickMap map(layout);
     Surfaces surfaces;
     surfaces.slots.assign(bricks, kNoSurface);
     // In pieces, so that bricks without surface never hold memory all at once.

@@ -1,6 +1,7 @@
 /// Surfaces of solids: which voxels are part of one, and its normal there.
 #pragma once
 
+#include "raysweep/volume/brick_map.h"
 #include "raysweep/volume/bricks.h"
 
 #include <cstdint>
@@ -37,8 +38,8 @@ struct Surfaces {
 /// Voxels that are not empty and where opacity (1 - exp(-tau `perVoxel`)) changes by more than `threshold` per voxel;
 /// the normal points to where it falls. Opacity and not extinction, because that is what a partly filled voxel has part
 /// of: the logarithm in extinction would let the fullest neighbour alone decide.
-Surfaces findSurfaces(const BrickLayout& layout, const BrickField& tau, const Periodic& periodic, double perVoxel,
-                      double threshold);
+Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
+                      double perVoxel, double threshold);
 
 std::size_t countSurfaceVoxels(const Surfaces& surfaces);
 

@@ -94,6 +94,18 @@ TEST(Classify, TilesAreClassifiedAsTheirVoxels) {
     EXPECT_EQ(other.extinction->tree().leafCount(), 1u);
 }
 
+TEST(Classify, EqualOpacitiesKeepTheirColours) {
+    auto density = FloatGrid::create();
+    for (int i = 0; i < 512; ++i)
+        density->tree().setValueOn(Coord(i >> 6, (i >> 3) & 7, i & 7), 0.5f + float(i) / 1024);
+    const TransferFunction table{{{0.5, 0.9, Color(1, 0, 0)}, {1, 0.9, Color(0, 0, 1)}}, true};
+    const ClassifiedVolume volume = classify(*density, table);
+    EXPECT_EQ(volume.extinction->tree().leafCount(), 0u) << "one opacity is one tile";
+    const auto& albedo = static_cast<const openvdb::Vec3SGrid&>(*volume.albedo);
+    EXPECT_LE(std::abs(albedo.tree().getValue(Coord(0))[0] - 1), 1e-6);
+    EXPECT_LE(std::abs(albedo.tree().getValue(Coord(7))[2] - 511.0 / 512), 1e-6);
+}
+
 TEST(Classify, InactiveVoxelsStayEmpty) {
     const auto density = steps(8);
     density->tree().setValueOff({3, 0, 0}, 0.9f);
