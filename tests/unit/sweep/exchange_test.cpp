@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -33,6 +34,7 @@ struct Volume {
             for (int i = 0; i < kBrickVoxels; ++i)
                 if (uniform01(random) < 0.3) normals[i] = packNormal(sphericalFibonacci(64)[std::size_t(i) % 64]);
         }
+        furnace = BrickField(surfaces.bricks.size());
         for (int c = 0; c < channels; ++c) {
             fill(albedo[c], 0.1, 1);
             fill(source[c], 1e-3, 0.1);
@@ -54,6 +56,7 @@ struct Volume {
         ExchangeFields views;
         views.channels = channels;
         views.surfaces = &surfaces;
+        views.furnace = viewOf(furnace);
         views.tau = viewOf(tau);
         for (int c = 0; c < channels; ++c) {
             views.albedo[c] = viewOf(albedo[c]);
@@ -69,8 +72,14 @@ struct Volume {
     SweepVolume sweepVolume;
     Escape escape;
     Surfaces surfaces;
+    BrickField furnace;
     BrickField tau, albedo[3], source[3], unshot[3], deposit[3], fresh[3];
 };
+
+double cosineOf(const ExchangeStep& step, PackedNormal normal) {
+    return unpackNormal(normal).dot(
+        Vec3(double(step.direction[0]), double(step.direction[1]), double(step.direction[2])));
+}
 
 /// What the formulas say about one voxel.
 struct VoxelTerms {
@@ -80,8 +89,7 @@ struct VoxelTerms {
 VoxelTerms termsOf(const ExchangeStep& step, PackedNormal normal, double tau, double albedo) {
     const double along = tau * double(step.stepScale), opacity = -std::expm1(-along);
     if (normal != 0) {
-        const double cosine = unpackNormal(normal).dot(
-            Vec3(double(step.direction[0]), double(step.direction[1]), double(step.direction[2])));
+        const double cosine = cosineOf(step, normal);
         const bool paper = step.model == ExchangeModel::paper;
         const double shot = paper ? double(step.zeta) : std::min(1.0, 4 * double(step.zeta));
         if (cosine > 0) return {0, shot * std::min(1.0, cosine), albedo};
@@ -92,6 +100,37 @@ VoxelTerms termsOf(const ExchangeStep& step, PackedNormal normal, double tau, do
     const double ratio = along > 0 ? opacity / along : 1;
     return {opacity, std::min(1.0, double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
 }
+
+/// The local furnace in doubles, by its definition in exchange.h.
+struct PlainFurnace {
+    struct Ray {
+        double f = 0;
+        int last = -1000000;  ///< slice in which it was in a solid
+        double taken = 0, inside = 0;
+    };
+    std::map<std::pair<int, int>, Ray> rays;
+    std::vector<double> sum;  ///< over the surfaces' bricks
+
+    /// What a voxel takes of a ray that meets it with `weight` in slice k.
+    void meet(const ExchangeStep& step, const std::pair<int, int>& at, int k, PackedNormal normal, double tau,
+              double opacity, double weight, double& total) {
+        Ray& ray = rays[at];
+        if (ray.last < k - kSurfaceGap) ray.f = double(step.furnaceRay);
+        const bool leaving = normal != 0 && tau > 0 && cosineOf(step, normal) > double(kLeavingCosine);
+        const bool inside = !leaving && ((normal != 0 && tau > 0) || tau >= double(step.solidTau));
+        const double in = inside ? weight * opacity * ray.f : 0;
+        total += in;
+        ray.taken += in;
+        ray.inside += weight * (inside ? 1 : leaving ? -1 : 0);
+    }
+    void endSlice(int k) {
+        for (auto& [at, ray] : rays) {
+            ray.f = std::max(0.0, ray.f - ray.taken);
+            if (ray.inside != 0) ray.last = ray.inside > 0 ? k : -1000000;
+            ray.taken = ray.inside = 0;
+        }
+    }
+};
 
 /// A sweep in doubles, of one channel: slices in the order of travel, rays in a map. `nearest` has one footprint of
 /// weight 1.
@@ -104,12 +143,14 @@ struct PlainSweep {
     std::map<std::pair<int, int>, double> rays;
     std::vector<double> unshot, deposit;
     double escaped = 0;
+    PlainFurnace furnace = {};
 
     void run() {
         const BrickLayout& layout = volume.sweepVolume.layout;
         const BrickMap map(layout);
         unshot.assign(layout.brickCount() * kBrickVoxels, 0.0);
         deposit = unshot;
+        furnace.sum.assign(volume.surfaces.bricks.size() * kBrickVoxels, 0.0);
         for (std::size_t b = 0; b < layout.brickCount(); ++b)
             for (std::size_t i = 0; i < kBrickVoxels; ++i) {
                 unshot[b * kBrickVoxels + i] = double(volume.unshot[channel].brick(b)[i]);
@@ -149,12 +190,16 @@ struct PlainSweep {
                         const std::pair<int, int> ray{v - front.row.shift(k) - dv, u - front.column.shift(k) - du};
                         const double taken = weight * terms.opacity * rays[ray];
                         in += taken;
+                        if (normals)
+                            furnace.meet(step, ray, k, normals[i], double(volume.tau.brick(b)[i]), terms.opacity,
+                                         weight, furnace.sum[volume.surfaces.slots[b] * std::size_t(kBrickVoxels) + i]);
                         change[ray] += weight * out - taken;
                     }
                 deposit[b * kBrickVoxels + i] += in;
                 U += terms.g * in - out + double(volume.source[channel].brick(b)[i]);
             }
         for (const auto& [ray, delta] : change) rays[ray] += delta;
+        furnace.endSlice(k);
     }
 };
 
@@ -168,6 +213,8 @@ void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, Excha
     step.stepScale = float(front.stepLength / volume.escape.meanStepLength());
     for (int axis = 0; axis < 3; ++axis) step.direction[axis] = float(front.direction[axis]);
     for (int c = 0; c < channels; ++c) step.entering[c] = 0.5f + 0.25f * float(c);
+    step.furnaceRay = 0.7f;
+    step.solidTau = 2;
     std::vector<PlainSweep> plain;
     for (int c = 0; c < channels; ++c) {
         plain.push_back({volume, front, step, c, linear, {}, {}, {}});
@@ -178,6 +225,11 @@ void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, Excha
     if (linear) settle(volume.sweepVolume, fields, step);
     // About 50 float operations on a ray's way, on values of order 1.
     constexpr double kRounding = 1e-5;
+    double worstFurnace = 0;
+    EXPECT_GT(*std::max_element(plain[0].furnace.sum.begin(), plain[0].furnace.sum.end()), 0.1);
+    for (std::size_t i = 0; i < plain[0].furnace.sum.size(); ++i)
+        worstFurnace = std::max(worstFurnace, std::abs(double(volume.furnace.brick(0)[i]) - plain[0].furnace.sum[i]));
+    EXPECT_LE(worstFurnace, kRounding) << "direction " << direction << " interpolation " << int(interpolation);
     for (int c = 0; c < channels; ++c) {
         double worst = 0;
         for (std::size_t i = 0; i < plain[std::size_t(c)].unshot.size(); ++i) {
