@@ -47,6 +47,9 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// @throw CLI::ValidationError
 void requireFileOutput(const std::string& path, const std::string& option = "--output");
 
+/// A number as people write it, with few digits.
+std::string brief(double value, int digits = 2);
+
 /// `path` with _0001 and so on before its extension: one of a series of files.
 std::string numberedName(const std::string& path, int number);
 

@@ -2,6 +2,7 @@
 #include "cli.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/volume/grid_select.h"
@@ -33,10 +34,7 @@ struct CompareOptions {
 enum class FileKind { kVolume, kImage };
 
 FileKind kindOf(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
-    return extension == ".vdb" ? FileKind::kVolume : FileKind::kImage;
+    return lowerExtension(path) == ".vdb" ? FileKind::kVolume : FileKind::kImage;
 }
 
 /// JSON has no infinity: equal inputs have no finite PSNR.

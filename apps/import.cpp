@@ -112,24 +112,17 @@ void completeOptions(Arguments& a) {
     }
 }
 
-std::string brief(double value) {
-    std::ostringstream text;
-    text.precision(3);
-    text << value;
-    return text.str();
-}
-
 void comment(const Arguments& a, const ImportedVolume& volume, double activeVoxels) {
     // Cameras and scanners often fill 12 of 16 bits.
     const double top = volume.range.max * volume.scale + volume.offset;
     if (a.normalize == "auto" && volume.scale != 1 && top > 0 && top < 0.125 && !a.options.scale && !a.options.offset)
-        warning(a.common, "the largest value is " + brief(top) + " of what " + nameOf(volume.type) +
+        warning(a.common, "the largest value is " + brief(top, 3) + " of what " + nameOf(volume.type) +
                               " can hold; --normalize data maps the values that occur to [0,1]");
     if (activeVoxels == 0) warning(a.common, "all voxels are background: the grid is empty");
     if (volume.range.notFinite > 0)
         warning(a.common, std::to_string(volume.range.notFinite) + " voxels that were no finite numbers were set to 0");
-    detail(a.common, volume.format + " of " + nameOf(volume.type) + ", " + brief(volume.range.min) + " to " +
-                         brief(volume.range.max) + ", became " + brief(activeVoxels) + " active voxels");
+    detail(a.common, volume.format + " of " + nameOf(volume.type) + ", " + brief(volume.range.min, 3) + " to " +
+                         brief(volume.range.max, 3) + ", became " + brief(activeVoxels, 3) + " active voxels");
 }
 
 nlohmann::ordered_json describe(const ImportedVolume& volume, double seconds) {

@@ -152,13 +152,6 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
     return json;
 }
 
-/// A number as people write it, with two digits.
-std::string brief(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.2g", value);
-    return text;
-}
-
 /// What --resolution means for this scene.
 std::string describeResolution(const LightArguments& a, const Scene& scene, const Scene& solved) {
     return "resolution " + brief(a.resolution) + ": solved on voxels " + brief(1 / a.resolution) + " times as long, " +

@@ -1,6 +1,7 @@
 #include "sky_options.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/scene/sky_map.h"
 
@@ -18,8 +19,7 @@ bool looksLikeNumbers(const std::string& text) {
 }
 
 bool looksLikePicture(const std::string& text) {
-    std::string extension = std::filesystem::path(text).extension().string();
-    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = lowerExtension(text);
     for (const char* known : {".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff"})
         if (extension == known) return true;
     std::error_code ignored;

@@ -5,6 +5,7 @@
 #include "raysweep/illuminate/quad.h"
 #include "raysweep/volume/brick_grids.h"
 #include "raysweep/volume/brick_map.h"
+#include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
@@ -91,10 +92,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     state.uniformAlbedo = !medium.albedoGrid;
     if (medium.albedoGrid) {
         checkAlbedo(*medium.albedoGrid);
-        if (medium.albedoGrid->transform() != medium.density->transform())
-            throw InvalidArgument("the albedo grid '" + medium.albedoGrid->getName() + "' and the density grid '" +
-                                  medium.density->getName() +
-                                  "' have different transforms; resample one onto the other");
+        requireSameTransform(*medium.albedoGrid, *medium.density);
     }
     for (int c = 0; c < state.channels; ++c)
         state.albedo[c] =

@@ -1,6 +1,7 @@
 #include "raysweep/image/image_io.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 #include "raysweep/core/output_file.h"
 
 #include <OpenImageIO/imageio.h>
@@ -14,13 +15,6 @@
 
 namespace raysweep {
 namespace {
-
-std::string lowerExtension(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return char(std::tolower(c)); });
-    return extension;
-}
 
 /// Two and four channels: the last one is alpha. Others have none.
 bool hasAlpha(const Image& image) {

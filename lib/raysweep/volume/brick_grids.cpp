@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/grid_transform.h"
 
 #include <unistd.h>
 
@@ -45,9 +46,7 @@ void addBricks(const openvdb::CoordBBox& box, std::vector<Index3>& origins) {
 }
 
 Matrix3 linearPart(const openvdb::GridBase& grid) {
-    if (!grid.transform().isLinear())
-        throw InvalidArgument("grid '" + grid.getName() +
-                              "' has a transform that is not linear (a frustum?); resample it");
+    requireLinear(grid);
     const openvdb::Mat4R m = grid.transform().baseMap()->getAffineMap()->getMat4();
     Matrix3 linear;
     for (int row = 0; row < 3; ++row)
@@ -115,9 +114,7 @@ BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, 
     layout.voxelVolume = std::abs(layout.worldFromIndex.determinant());
     layout.activeVoxels = grids.front()->activeVoxelCount();
     for (const auto& grid : grids) {
-        if (grid->transform() != grids.front()->transform())
-            throw InvalidArgument("grids '" + grid->getName() + "' and '" + grids.front()->getName() +
-                                  "' have different transforms; resample one onto the other");
+        requireSameTransform(*grid, *grids.front());
         withTypedGrid(*grid, [&](const auto& typed) {
             std::size_t bricks = 0;
             forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bricks += brickCountOf(box); });

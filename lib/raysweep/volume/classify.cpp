@@ -1,6 +1,6 @@
 #include "raysweep/volume/classify.h"
 
-#include "raysweep/core/error.h"
+#include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/mapped_grid.h"
 #include "raysweep/volume/voxel_check.h"
 
@@ -66,9 +66,7 @@ openvdb::GridBase::Ptr albedoOf(const FloatGrid& density, const FloatGrid& extin
 ClassifiedVolume classify(const FloatGrid& density, const TransferFunction& exact) {
     exact.validate();
     const TransferFunction function = inSinglePrecision(exact);
-    if (!density.transform().isLinear())
-        throw InvalidArgument("grid '" + density.getName() +
-                              "' has a transform that is not linear (a frustum?); resample it");
+    requireLinear(density);
     checkFinite(density, density.getName().empty() ? "density" : density.getName());
     ClassifiedVolume volume{extinctionOf(density, function), nullptr};
     // Not pruned before the albedo has been made from its voxels: equal opacities may have different colours.

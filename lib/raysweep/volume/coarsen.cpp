@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/volume/brick_grids.h"
+#include "raysweep/volume/grid_transform.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,9 +32,7 @@ void requireArguments(const openvdb::GridBase& grid, double resolution) {
         message << "resolution is " << resolution << "; it must be in (0, 1]";
         throw InvalidArgument(message.str());
     }
-    if (!grid.transform().isLinear())
-        throw InvalidArgument("grid '" + grid.getName() +
-                              "' has a transform that is not linear (a frustum?); resample it");
+    requireLinear(grid);
 }
 
 /// Where the low face of fine voxel i lies, counted in coarse voxels from the low face of coarse voxel 0. Faces that

@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/engine_block.h"
+#include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/statistics.h"
 
 #include <algorithm>
@@ -133,8 +134,7 @@ openvdb::math::Transform::Ptr movedTo(const openvdb::math::Transform& transform,
 Engine cutEngine(const EngineRoomOptions& options) {
     const FloatGrid& given = *options.engine;
     requireValues(given);
-    if (!given.transform().isLinear())
-        throw InvalidArgument("the volume's transform is not linear (a frustum?); resample it first");
+    requireLinear(given);
     const CoordBBox box = engineBox(given, options.slices);
     Engine engine{FloatGrid::create(0.0f), box.dim()};
     engine.grid->setTransform(movedTo(given.transform(), box.min()));

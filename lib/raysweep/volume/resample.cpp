@@ -1,7 +1,7 @@
 #include "raysweep/volume/resample.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/volume/coarsen.h"
+#include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <openvdb/tools/Interpolation.h>
@@ -71,12 +71,6 @@ typename GridType::Ptr coarseAlbedo(const GridType& albedo, const FloatGrid& den
     return coarse;
 }
 
-void requireSameTransform(const openvdb::GridBase& grid, const FloatGrid& density) {
-    if (grid.transform() != density.transform())
-        throw InvalidArgument("grids '" + grid.getName() + "' and '" + density.getName() +
-                              "' have different transforms; resample one onto the other");
-}
-
 /// On the grids as they are, so that a message says where in them.
 void requireVoxels(const Medium& medium) {
     checkVoxels(*medium.density, "density");
@@ -88,12 +82,6 @@ void requireVoxels(const Medium& medium) {
         requireSameTransform(*medium.emission, *medium.density);
         withTypedGrid(*medium.emission, [](const auto& emission) { checkVoxels(emission, "emission"); });
     }
-}
-
-void requireLinear(const openvdb::GridBase& grid) {
-    if (!grid.transform().isLinear())
-        throw InvalidArgument("grid '" + grid.getName() +
-                              "' has a transform that is not linear (a frustum?); resample it");
 }
 
 template <class GridType, class ShapeType>

@@ -1,6 +1,7 @@
 #include "raysweep/volume/similarity.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/mapped_grid.h"
 #include "raysweep/volume/voxel_check.h"
 
@@ -28,9 +29,7 @@ const FloatGrid& requireGrey(const openvdb::GridBase& albedo, const FloatGrid& d
                               "; with g other than 0 albedo must be grey (float), as extinction is one for all "
                               "wavelengths");
     checkAlbedo(albedo);
-    if (albedo.transform() != density.transform())
-        throw InvalidArgument("the albedo grid '" + albedo.getName() + "' and the density grid '" + density.getName() +
-                              "' have different transforms; resample one onto the other");
+    requireSameTransform(albedo, density);
     return static_cast<const FloatGrid&>(albedo);
 }
 
