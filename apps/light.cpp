@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -27,18 +26,9 @@ std::size_t clampGrid(openvdb::GridBase& grid) {
     return clampForHalf(static_cast<openvdb::Vec3SGrid&>(grid));
 }
 
-const char* nameOf(Exchange exchange, bool solid) {
-    switch (exchange) {
-        case Exchange::automatic:
-            return solid ? "surface" : "medium";
-        case Exchange::medium:
-            return "medium";
-        case Exchange::surface:
-            return "surface";
-        case Exchange::paper:
-            return "paper";
-    }
-    return "";
+std::string exchangeName(const LightArguments& a, const Scene& scene) {
+    if (a.options.exchange == Exchange::paper) return "paper";
+    return planIllumination(scene, a.options).surfaces ? "surface" : "medium";
 }
 
 void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const LightScene& lit) {
@@ -50,7 +40,7 @@ void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const LightSc
     text("raysweep_density", lit.density);
     if (!a.transfer.ramp.empty()) text("raysweep_ramp", a.transfer.ramp);
     if (!a.transfer.table.empty()) text("raysweep_transfer", toJson(*lit.transfer));
-    text("raysweep_exchange", nameOf(a.options.exchange, lit.scene.medium.solid));
+    text("raysweep_exchange", exchangeName(a, lit.scene));
     grid.insertMeta("raysweep_resolution", openvdb::DoubleMetadata(a.resolution));
     // The grid `extinction` that goes with it is the whole of it.
     const double extinction = lit.ownExtinction ? 1 : lit.scene.medium.extinctionScale;
@@ -160,9 +150,8 @@ std::string describeResolution(const LightArguments& a, const Scene& scene, cons
            (a.upsample ? "interpolated to the voxels of the input" : "written on the longer voxels");
 }
 
-/// What will be modelled of `solved`, which is `scene` at the resolution asked for.
-Plan planFor(const LightArguments& a, const Scene& scene, const Scene& solved) {
-    Plan plan = planIllumination(solved, a.options);
+/// The plan for `solved`, which is `scene` at the resolution asked for, with a word on that.
+Plan withResolution(Plan plan, const LightArguments& a, const Scene& scene, const Scene& solved) {
     if (a.resolution < 1) plan.reasons.push_back(describeResolution(a, scene, solved));
     return plan;
 }
@@ -228,7 +217,7 @@ Illumination solve(LightArguments& a, const Scene& scene) {
     const Scene solved = atResolution(scene, a.resolution);
     const double resampleSeconds = timer.seconds();
     Illumination lit = illuminate(solved, a.options, progress.callback());
-    lit.plan = planFor(a, scene, solved);
+    lit.plan = withResolution(std::move(lit.plan), a, scene, solved);
     lit.seconds.prepare += resampleSeconds;
     const std::size_t peak = peakResidentBytes();
     a.peakBytes = peak > before ? peak - before : 0;
@@ -248,9 +237,9 @@ int run(LightArguments& a) {
     const double readSeconds = timer.seconds();
     if (a.explain) {
         scene.scene.validate();
-        for (const std::string& reason :
-             reasonsOf(scene, planFor(a, scene.scene, atResolution(scene.scene, a.resolution))))
-            std::cout << reason << "\n";
+        const Scene solved = atResolution(scene.scene, a.resolution);
+        const Plan plan = withResolution(planIllumination(solved, a.options), a, scene.scene, solved);
+        for (const std::string& reason : reasonsOf(scene, plan)) std::cout << reason << "\n";
         return kDone;
     }
     if (a.snapshots > 0) {

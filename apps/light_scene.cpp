@@ -69,8 +69,7 @@ openvdb::GridBase::ConstPtr emissionFrom(const LightArguments& a, const VdbFile&
     const openvdb::GridBase::ConstPtr emission =
         chosenBy("--emission", [&] { return selectGrid(file, a.emissionGrid); });
     if (!a.repair) return emission;
-    if (emission->isType<openvdb::FloatGrid>()) return repaired(a, static_cast<const openvdb::FloatGrid&>(*emission));
-    return repaired(a, static_cast<const openvdb::Vec3SGrid&>(*emission));
+    return withTypedGrid(*emission, [&](const auto& grid) -> openvdb::GridBase::ConstPtr { return repaired(a, grid); });
 }
 
 /// Scattering by a phase function of mean cosine g becomes isotropic scattering in a similar medium.

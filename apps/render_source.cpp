@@ -50,21 +50,15 @@ openvdb::Vec3f colourOf(const openvdb::Vec3f& value) {
 }
 
 /// Adds `factor` times the active values of `grid`, or of their means with `grey`, to `sum`.
-template <class Grid>
-void addTo(openvdb::Vec3SGrid& sum, const Grid& grid, const openvdb::Vec3f& factor, bool grey) {
-    auto to = sum.getAccessor();
-    for (auto on = grid.cbeginValueOn(); on; ++on) {
-        openvdb::Vec3f value = colourOf(*on);
-        if (grey) value = openvdb::Vec3f((value[0] + value[1] + value[2]) / 3);
-        to.setValue(on.getCoord(), to.getValue(on.getCoord()) + value * factor);
-    }
-}
-
 void addTo(openvdb::Vec3SGrid& sum, const openvdb::GridBase& grid, const openvdb::Vec3f& factor, bool grey) {
-    if (grid.isType<openvdb::FloatGrid>())
-        addTo(sum, static_cast<const openvdb::FloatGrid&>(grid), factor, grey);
-    else
-        addTo(sum, static_cast<const openvdb::Vec3SGrid&>(grid), factor, grey);
+    auto to = sum.getAccessor();
+    withTypedGrid(grid, [&](const auto& typed) {
+        for (auto on = typed.cbeginValueOn(); on; ++on) {
+            openvdb::Vec3f value = colourOf(*on);
+            if (grey) value = openvdb::Vec3f((value[0] + value[1] + value[2]) / 3);
+            to.setValue(on.getCoord(), to.getValue(on.getCoord()) + value * factor);
+        }
+    });
 }
 
 /// Radiosity with what is still unshot as light of one colour: the power of a voxel over the face of a voxel and a half

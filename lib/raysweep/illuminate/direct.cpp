@@ -194,6 +194,7 @@ std::size_t addQuad(SolverState& state, const QuadLight& quad, const openvdb::Fl
     return voxels;
 }
 
+/// Makes all that sources add show through D/F, as what is emitted does.
 void takeSourcesAsEmitted(SolverState& state) {
     for (int c = 0; c < state.channels && state.hasSource(); ++c)
         for (std::size_t b = 0; b < state.volume.layout.brickCount(); ++b)
@@ -201,14 +202,18 @@ void takeSourcesAsEmitted(SolverState& state) {
                 std::copy_n(state.source[c].brick(b), kBrickVoxels, state.emitted[c].brick(state.surfaces.slots[b]));
 }
 
+float largestOf(float value) {
+    return value;
+}
+float largestOf(const openvdb::Vec3f& value) {
+    return std::max({value[0], value[1], value[2]});
+}
+
 double largestValue(const openvdb::GridBase& grid) {
     float largest = 0;
-    if (grid.isType<openvdb::FloatGrid>())
-        for (auto on = static_cast<const openvdb::FloatGrid&>(grid).cbeginValueOn(); on; ++on)
-            largest = std::max(largest, *on);
-    else
-        for (auto on = static_cast<const openvdb::Vec3SGrid&>(grid).cbeginValueOn(); on; ++on)
-            largest = std::max({largest, (*on)[0], (*on)[1], (*on)[2]});
+    withTypedGrid(grid, [&](const auto& typed) {
+        for (auto on = typed.cbeginValueOn(); on; ++on) largest = std::max(largest, largestOf(*on));
+    });
     return double(largest);
 }
 

@@ -35,13 +35,14 @@ class BrickRadiance {
           exact_(exact),
           normals_(state.surfaces.normals(b)),
           tau_(state.tau.brick(b)),
-          source_(state.hasSource() ? state.source[channel].brick(b) : state.zero.brick(0)) {
+          source_(state.hasSource() ? state.source[channel].brick(b) : state.zero.brick(0)),
+          face_(state.voxelFace()) {
         effectiveAlbedos(state, channel, b, g_);
         if (!state.furnace.empty()) solidTau_ = state.solidTau();
         if (!normals_) return;
         const std::uint32_t slot = state.surfaces.slots[b];
         if (!state.furnace.empty()) furnace_ = state.furnace.brick(slot);
-        leastFurnace_ = kLeastSeen * kFlatWall * state.furnaceSweeps;
+        leastFurnace_ = kLeastSeen * kFlatWall * state.injections;
         if (!state.hasSource()) return;
         seen_ = state.seen[channel].brick(slot);
         emitted_ = state.emitted[channel].brick(slot);
@@ -54,35 +55,33 @@ class BrickRadiance {
         return state_.solids && (!furnace_ || double(furnace_[i]) > leastFurnace_);
     }
 
-    /// The part that comes straight from sources.
-    double directly(int i) const {
-        if (!isSurface(i)) return double(source_[i]) * perPower(i);
-        return seen_ ? double(seen_[i]) + double(emitted_[i]) * perPower(i) : 0;
-    }
-
-    /// Radiance that the voxel has met: its deposit (per injection, in powerUnit) over F.
-    double met(int i, double deposit) const { return deposit * perPower(i); }
-    /// The part of it that is scattered.
-    double scattered(int i, double met) const { return double(g_[i]) * met; }
-
-  private:
     bool isSurface(int i) const { return normals_ && normals_[i] != 0; }
 
-    /// 1 / F, in units of 1 / voxelFace. Without sweeps F is taken to be that of a flat wall.
+    /// 1 / F, in units of 1 / voxelFace. Without sweeps F of a surface is taken to be that of a flat wall.
     double perPower(int i) const {
-        if (isSurface(i) && furnace_)
-            return furnace_[i] > 0 ? state_.furnaceSweeps / (4 * kPi * double(furnace_[i])) : 0;
+        if (isSurface(i) && furnace_) return furnace_[i] > 0 ? state_.injections / (4 * kPi * double(furnace_[i])) : 0;
         if (isSurface(i)) return 1 / kPi;
         const double tau = double(tau_[i]);
         const double p = exact_ ? state_.escape.probability(tau) : state_.escape.fit().probability(tau);
-        return state_.voxelFace() / (4 * kPi * meanAbsorbingArea(state_, tau, p));
+        return face_ / (4 * kPi * meanAbsorbingArea(state_, tau, p));
     }
 
+    /// The part that comes straight from sources. @param perPower of the voxel
+    double directly(int i, double perPower) const {
+        if (!isSurface(i)) return double(source_[i]) * perPower;
+        return seen_ ? double(seen_[i]) + double(emitted_[i]) * perPower : 0;
+    }
+
+    /// The part that is scattered of the radiance that the voxel has met: its deposit over F.
+    double scattered(int i, double met) const { return double(g_[i]) * met; }
+
+  private:
     const SolverState& state_;
     const bool exact_;
     const PackedNormal* const normals_;
     const float* const tau_;
     const float* const source_;
+    const double face_;
     const float* seen_ = nullptr;
     const float* emitted_ = nullptr;
     const float* furnace_ = nullptr;
@@ -120,8 +119,9 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
         for (int i = 0; i < kBrickVoxels; ++i) {
             if (radiance.isKnown(i)) {
                 const double deposit = double(total[i]) + double(recent[i]);
-                const double value = radiance.directly(i) + radiance.scattered(i, radiance.met(i, deposit * now));
-                const double change = radiance.scattered(i, radiance.met(i, deposit * now - double(total[i]) * then));
+                const double perPower = radiance.perPower(i);
+                const double value = radiance.directly(i, perPower) + radiance.scattered(i, deposit * now * perPower);
+                const double change = radiance.scattered(i, (deposit * now - double(total[i]) * then) * perPower);
                 sum.value += value * value;
                 sum.difference += change * change;
             }
@@ -129,6 +129,20 @@ Squares foldBrick(SolverState& state, std::size_t b, int before) {
         }
     }
     return sum;
+}
+
+/// Deposit over F in the surfaces' bricks.
+template <class DepositOf>
+BrickField metBySurfaces(const SolverState& state, int channel, const DepositOf& depositOf) {
+    BrickField met(state.surfaces.bricks.size());
+    parallelFor(state.volume.layout.brickCount(), [&](std::size_t b) {
+        if (!state.surfaces.normals(b)) return;
+        const BrickRadiance radiance(state, channel, b, /*exact=*/true);
+        float* const to = met.brick(state.surfaces.slots[b]);
+        for (int i = 0; i < kBrickVoxels; ++i)
+            if (radiance.isSurface(i) && radiance.isKnown(i)) to[i] = float(depositOf(b, i) * radiance.perPower(i));
+    });
+    return met;
 }
 
 }  // namespace
@@ -188,27 +202,32 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
     const std::size_t bricks = state.volume.layout.brickCount();
     const double perInjection = 1.0 / std::max(1, state.injections);
     const bool swept = !state.total[channel].empty();
-    const auto forEachBrick = [&](const auto& visit) {
-        parallelFor(
-            bricks,
-            [&](std::size_t b) {
-                const BrickRadiance value(state, channel, b, /*exact=*/true);
-                for (int i = 0; i < kBrickVoxels; ++i) visit(value, b, i);
-            },
-            16);
-    };
-    forEachBrick([&](const BrickRadiance& value, std::size_t b, int i) {
+    const auto depositOf = [&](std::size_t b, int i) {
         double deposit =
             swept ? double(state.total[channel].brick(b)[i]) + double(state.recent[channel].brick(b)[i]) : 0;
         if (!extra.empty()) deposit += double(extra.brick(b)[i]);
-        radiosity.brick(b)[i] = value.isKnown(i) ? float(value.met(i, deposit * perInjection)) : 0.0f;
-    });
-    evenOutSurfaces(state, radiosity);
-    forEachBrick([&](const BrickRadiance& value, std::size_t b, int i) {
-        float& S = radiosity.brick(b)[i];
-        S = value.isKnown(i) ? float((value.scattered(i, double(S)) + value.directly(i)) * state.radianceUnit())
-                             : kUnknown;
-    });
+        return deposit * perInjection;
+    };
+    const BrickField even =
+        state.furnace.empty() ? BrickField() : evenedOut(state, metBySurfaces(state, channel, depositOf));
+    parallelFor(
+        bricks,
+        [&](std::size_t b) {
+            const BrickRadiance radiance(state, channel, b, /*exact=*/true);
+            for (int i = 0; i < kBrickVoxels; ++i) {
+                float& S = radiosity.brick(b)[i];
+                if (!radiance.isKnown(i)) {
+                    S = kUnknown;
+                    continue;
+                }
+                const double perPower = radiance.perPower(i);
+                const double met = radiance.isSurface(i) && !even.empty()
+                                       ? double(even.brick(state.surfaces.slots[b])[i])
+                                       : depositOf(b, i) * perPower;
+                S = float((radiance.scattered(i, met) + radiance.directly(i, perPower)) * state.radianceUnit());
+            }
+        },
+        16);
     fillSolids(state, radiosity);
 }
 

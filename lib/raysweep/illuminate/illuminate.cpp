@@ -46,10 +46,7 @@ class Solver {
             state_.swept.injected[c] += totals.entered[c];
             state_.swept.escaped[c] += totals.escaped[c];
         }
-        if (inject == Inject::everything) {
-            ++state_.injections;
-            ++state_.furnaceSweeps;
-        }
+        if (inject == Inject::everything) ++state_.injections;
         if (options_.afterSweep) options_.afterSweep(direction, inWatts(totals));
     }
 

@@ -34,11 +34,11 @@ struct SolverState {
     BrickField zero;                                 ///< one brick of nothing
 
     // Of the surfaces' bricks alone:
-    BrickField furnace;                ///< sum of F over `furnaceSweeps` sweeps; empty if not measured
+    BrickField furnace;                ///< sum of F over all injections; empty if not measured
     BrickField seen[kMaxChannels];     ///< S of direct light, in `radianceUnit`
     BrickField emitted[kMaxChannels];  ///< the part of `source` that is not in `seen`
 
-    int injections = 0, furnaceSweeps = 0;
+    int injections = 0;
     PowerBalance perInjection;  ///< of direct light and emission, for one injection, in powerUnit
     PowerBalance swept;         ///< of the rays of all sweeps so far, in powerUnit
 

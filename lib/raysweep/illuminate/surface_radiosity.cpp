@@ -48,12 +48,11 @@ bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_
         if (!isUnknown(i) || !(depth == 1 || isSeen(i))) continue;
         double sum = 0;
         int count = 0;
-        for (int n = 0; n < 27; ++n) {
-            const int x = (i >> 6) + n / 9 - 1, y = ((i >> 3) & 7) + n / 3 % 3 - 1, z = (i & 7) + n % 3 - 1;
-            if (values.at(x, y, z) < 0 || depths.at(x, y, z) == 0) continue;
+        values.forEachAround(i, [&](int x, int y, int z) {
+            if (values.at(x, y, z) < 0 || depths.at(x, y, z) == 0) return;
             sum += double(values.at(x, y, z));
             ++count;
-        }
+        });
         if (count > 0) filled.push_back({i, float(sum / count)});
     }
     return seen;
@@ -61,39 +60,35 @@ bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_
 
 }  // namespace
 
-void evenOutSurfaces(const SolverState& state, BrickField& met) {
-    if (state.furnace.empty()) return;
+BrickField evenedOut(const SolverState& state, const BrickField& met) {
     const BrickLayout& layout = state.volume.layout;
-    const BrickMap& map = state.volume.map;
-    const auto slotOf = [&](std::size_t b) { return state.surfaces.slots[b]; };
-    BrickField even(state.surfaces.bricks.size());
+    const auto ofSurfaces = [&](const BrickField& field, std::size_t b) {
+        return state.surfaces.normals(b) ? field.brick(state.surfaces.slots[b]) : nullptr;
+    };
+    BrickField even(met.brickCount());
     parallelFor(layout.brickCount(), [&](std::size_t b) {
         const PackedNormal* const own = state.surfaces.normals(b);
         if (!own) return;
-        const Periodic& periodic = state.volume.periodic;
-        const PaddedBrick<float> values(layout, map, periodic, b, [&](std::size_t n) { return met.brick(n); });
-        const PaddedBrick<PackedNormal> normals(layout, map, periodic, b,
+        const auto padded = [&](const BrickField& field) {
+            return PaddedBrick<float>(layout, state.volume.map, state.volume.periodic, b,
+                                      [&](std::size_t n) { return ofSurfaces(field, n); });
+        };
+        const PaddedBrick<float> values = padded(met), weights = padded(state.furnace);
+        const PaddedBrick<PackedNormal> normals(layout, state.volume.map, state.volume.periodic, b,
                                                 [&](std::size_t n) { return state.surfaces.normals(n); });
-        const PaddedBrick<float> weights(layout, map, periodic, b, [&](std::size_t n) {
-            return state.surfaces.normals(n) ? state.furnace.brick(slotOf(n)) : nullptr;
-        });
+        float* const to = even.brick(state.surfaces.slots[b]);
         for (int i = 0; i < kBrickVoxels; ++i) {
             if (own[i] == 0) continue;
             double sum = 0, weight = 0;
-            for (int n = 0; n < 27; ++n) {
-                const int x = (i >> 6) + n / 9 - 1, y = ((i >> 3) & 7) + n / 3 % 3 - 1, z = (i & 7) + n % 3 - 1;
-                if (!agree(own[i], normals.at(x, y, z))) continue;
+            normals.forEachAround(i, [&](int x, int y, int z) {
+                if (!agree(own[i], normals.at(x, y, z))) return;
                 sum += double(weights.at(x, y, z)) * double(values.at(x, y, z));
                 weight += double(weights.at(x, y, z));
-            }
-            even.brick(slotOf(b))[i] = weight > 0 ? float(sum / weight) : 0;
+            });
+            to[i] = weight > 0 ? float(sum / weight) : 0;
         }
     });
-    for (std::size_t b = 0; b < layout.brickCount(); ++b) {
-        const PackedNormal* const own = state.surfaces.normals(b);
-        for (int i = 0; own && i < kBrickVoxels; ++i)
-            if (own[i] != 0) met.brick(b)[i] = even.brick(slotOf(b))[i];
-    }
+    return even;
 }
 
 void fillSolids(const SolverState& state, BrickField& radiosity) {

@@ -29,6 +29,15 @@ struct PaddedBrick {
     /// Value of voxel (x,y,z) of the brick, each in [-1, 8].
     const T& at(int x, int y, int z) const { return value[x + 1][y + 1][z + 1]; }
 
+    /// Calls `visit(x, y, z)` for voxel `i` (an offset) of the brick and its 26 neighbours.
+    template <class Visit>
+    static void forEachAround(int i, const Visit& visit) {
+        const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
+        for (int dx = -1; dx <= 1; ++dx)
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dz = -1; dz <= 1; ++dz) visit(x + dx, y + dy, z + dz);
+    }
+
   private:
     static Index3 neighbourOrigin(const BrickLayout& layout, const Periodic& periodic, std::size_t b,
                                   const Index3& side) {
