@@ -108,13 +108,14 @@ std::vector<std::string> reasonsOf(const LightScene& scene, const Plan& plan) {
 nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene, const Illumination& lit,
                                 double readSeconds, double writeSeconds) {
     const int channels = lit.plan.channels, sweeps = lit.sweeps + lit.finishingSweeps;
-    const double sweeping = lit.seconds.sweeps + lit.seconds.finish;
+    const double sweeping = lit.seconds.sweeps + (lit.finishingSweeps > 0 ? lit.seconds.finish : 0);
+    const IlluminationTimings& spent = lit.seconds;
     nlohmann::ordered_json json = {
         {"voxels_active", lit.activeVoxels},
         {"sweeps", lit.sweeps},
         {"sweeps_finishing", lit.finishingSweeps},
-        {"seconds",
-         readSeconds + lit.seconds.prepare + lit.seconds.direct + sweeping + lit.seconds.output + writeSeconds},
+        {"seconds", readSeconds + spent.prepare + spent.direct + spent.coarse + spent.sweeps + spent.finish +
+                        spent.output + writeSeconds},
         {"seconds_per_sweep", sweeps > 0 ? sweeping / sweeps : 0.0},
         {"power_injected", mean(lit.power.injected, channels)},
         {"power_absorbed", mean(lit.power.absorbed, channels)},
@@ -125,6 +126,7 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         {"termination", nameOf(lit.termination)},
         {"plan", reasonsOf(scene, lit.plan)},
         {"peak_bytes", a.peakBytes},
+        {"peak_bytes_per_voxel", double(a.peakBytes) / double(std::max<std::size_t>(1, lit.activeVoxels))},
         {"voxels_thick_share", lit.thickShare},
         {"voxels_surface", lit.surfaceVoxels},
         {"resolution", a.resolution},
@@ -133,9 +135,9 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         json["sky_suns"] = scene.skySuns->count;
         json["sky_suns_share"] = scene.skySuns->share;
     }
-    json["timings"] = {{"read", readSeconds},          {"prepare", lit.seconds.prepare}, {"direct", lit.seconds.direct},
-                       {"sweeps", lit.seconds.sweeps}, {"finish", lit.seconds.finish},   {"output", lit.seconds.output},
-                       {"write", writeSeconds}};
+    json["timings"] = {{"read", readSeconds},     {"prepare", spent.prepare}, {"direct", spent.direct},
+                       {"coarse", spent.coarse},  {"sweeps", spent.sweeps},   {"finish", spent.finish},
+                       {"output", spent.output}, {"write", writeSeconds}};
     json["rms_history"] = nlohmann::ordered_json::array();
     for (const ConvergencePoint& point : lit.history)
         json["rms_history"].push_back({{"sweep", point.sweep}, {"rms", point.rms}, {"unshot", point.unshotShare}});

@@ -96,41 +96,51 @@ openvdb::FloatGrid::Ptr cachedBlock() {
 
 /// `major` in 0..2 takes directions of that axis only, 3 all.
 void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolation, bool coloured, int threads,
-                int major) {
+                int major, int beamCount = 4) {
     const openvdb::FloatGrid::Ptr density = volume();
     if (!density) return bench.SkipWithError("the smoke volume is not there");
     const auto state = makeState(density, 1.0, interpolation, coloured);
     const ExchangeFields fields = exchangeFields(*state, false);
-    DirectionSequence directions(DirectionSet::fibonacci, 32, 1);
+    DirectionSequence directions({DirectionSet::fibonacci, 96, 1, beamCount}, [](const Vec3& d) {
+        return majorAxis(d) * 8 + (d.x < 0 ? 4 : 0) + (d.y < 0 ? 2 : 0) + (d.z < 0 ? 1 : 0);
+    });
     const auto sweepOnce = [&] {
-        Vec3 direction = directions.next();
-        while (major < 3 && majorAxis(direction) != major) direction = directions.next();
-        const int reach = interpolation == Interpolation::linear ? 1 : 0;
-        const RayFront front = parallelFront(state->volume.layout, direction, reach, 0.3, 0.7, state->volume.periodic);
-        ExchangeStep step = exchangeStep(*state, front, 0.5);
-        for (float& power : step.entering) power = 1;
-        benchmark::DoNotOptimize(sweep(state->volume, front, interpolation, fields, step));
-        if (interpolation == Interpolation::linear) settle(state->volume, fields, step);
+        std::vector<Beam> beams;
+        do {
+            beams.clear();
+            for (const Vec3& direction : directions.nextGroup(beamCount)) {
+                const int reach = interpolation == Interpolation::linear ? 1 : 0;
+                beams.push_back(darkBeam(
+                    *state, parallelFront(state->volume.layout, direction, reach, 0.3, 0.7, state->volume.periodic)));
+                for (float& power : beams.back().entering) power = 1;
+            }
+        } while (int(beams.size()) < beamCount || (major < 3 && beams[0].front.axis.major != major));
+        const ExchangeStep step = exchangeStep(*state, 0.5, beamCount);
+        benchmark::DoNotOptimize(sweep(state->volume, beams, interpolation, fields, step));
+        if (interpolation == Interpolation::linear) settle(state->volume, beams, fields, step);
     };
     const double streaming = double(state->volume.layout.activeVoxels) * kBytesPerVoxel / triadBandwidth();
     const ThreadLimit limit(threads);
-    for (int i = 0; i < 32; ++i) sweepOnce();
+    for (int i = 0; i < 8; ++i) sweepOnce();
     double seconds = 0;
     for (auto _ : bench) {
         const Timer timer;
         sweepOnce();
         seconds += timer.seconds();
     }
-    const double perSweep = seconds / double(bench.iterations());
+    const double perSweep = seconds / double(bench.iterations()) / beamCount;
     bench.counters["ms"] = 1e3 * perSweep;
     bench.counters["ns_voxel"] = 1e9 * perSweep / double(state->volume.layout.activeVoxels);
     bench.counters["x_stream"] = perSweep / streaming;
     bench.counters["GB_s_triad"] = 1e-9 * triadBandwidth();
 }
 
-#define SWEEP_BENCH(name, ...) BENCHMARK_CAPTURE(sweepBench, name, __VA_ARGS__)->UseRealTime()->Iterations(96)
+#define SWEEP_BENCH(name, ...) BENCHMARK_CAPTURE(sweepBench, name, __VA_ARGS__)->UseRealTime()->Iterations(24)
 
 SWEEP_BENCH(dense_nearest, paperBlock, Interpolation::nearest, false, 2, 3);
+SWEEP_BENCH(dense_nearest_1beam, paperBlock, Interpolation::nearest, false, 2, 3, 1);
+SWEEP_BENCH(dense_nearest_2beams, paperBlock, Interpolation::nearest, false, 2, 3, 2);
+SWEEP_BENCH(dense_nearest_8beams, paperBlock, Interpolation::nearest, false, 2, 3, 8);
 SWEEP_BENCH(dense_nearest_x, paperBlock, Interpolation::nearest, false, 2, 0);
 SWEEP_BENCH(dense_nearest_y, paperBlock, Interpolation::nearest, false, 2, 1);
 SWEEP_BENCH(dense_nearest_z, paperBlock, Interpolation::nearest, false, 2, 2);

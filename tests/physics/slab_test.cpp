@@ -67,7 +67,7 @@ Fluxes lightSlab(const Slab& slab, const Scene& scene, IlluminateOptions options
     options.periodic = {true, true, true};
     options.periodic[std::size_t(slab.axis)] = false;
     Fluxes fluxes;
-    options.afterSweep = [&](const Vec3& direction, const SweepTotals& totals) {
+    options.afterSweep = [&](const Vec3& direction, const RaySums& totals) {
         (direction[slab.axis] < 0 ? fluxes.reflectance : fluxes.transmittance) += totals.escaped[0];
     };
     const Illumination lit = illuminate(scene, options);

@@ -4,8 +4,11 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <vector>
 
@@ -24,6 +27,13 @@ class ThreadLimit {
     oneapi::tbb::global_control control_;
 };
 
+/// Threads that may work at the same time.
+inline int threadCount() {
+    using Control = oneapi::tbb::global_control;
+    return std::min(int(Control::active_value(Control::max_allowed_parallelism)),
+                    oneapi::tbb::this_task_arena::max_concurrency());
+}
+
 /// Calls `body(i)` for every i in [0, count), several at a time, in pieces of about `grain` or more.
 template <class Body>
 void parallelFor(std::size_t count, const Body& body, std::size_t grain = 1) {
@@ -31,6 +41,30 @@ void parallelFor(std::size_t count, const Body& body, std::size_t grain = 1) {
     oneapi::tbb::parallel_for(Range(0, count, grain), [&](const Range& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
     });
+}
+
+/// Calls `body(i, j)` for every cell of a table of `rows` x `columns`, each after the cells (i-1, j) and (i, j-1). There
+/// is no other order, and no barrier.
+template <class Body>
+void parallelWavefront(int rows, int columns, const Body& body) {
+    if (rows <= 0 || columns <= 0) return;
+    std::vector<std::atomic<int>> waitsFor(std::size_t(rows) * std::size_t(columns));
+    const auto at = [&](int i, int j) { return std::size_t(i) * std::size_t(columns) + std::size_t(j); };
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < columns; ++j) waitsFor[at(i, j)] = (i > 0) + (j > 0);
+    oneapi::tbb::task_group group;
+    const auto isReady = [&](int i, int j) { return i < rows && j < columns && --waitsFor[at(i, j)] == 0; };
+    // Goes on to the next row as long as it can: what the cell has left in the cache is needed there.
+    const auto run = [&](const auto& self, int i, int j) -> void {
+        for (;;) {
+            body(i, j);
+            const bool down = isReady(i + 1, j), aside = isReady(i, j + 1);
+            if (down && aside) group.run([&self, i, j] { self(self, i, j + 1); });
+            if (!down && !aside) return;
+            down ? ++i : ++j;
+        }
+    };
+    group.run_and_wait([&] { run(run, 0, 0); });
 }
 
 /// Sum of `term(i)` over [0, count). Terms are added in the order of i within fixed chunks, and the chunks in

@@ -85,8 +85,8 @@ bool showsDirectLight(const SolverState& state) {
 void addSun(SolverState& state, const Sun& sun) {
     BrickField deposit(state.volume.layout.brickCount());
     const RayFront front = parallelFront(state.volume.layout, sun.direction, 1, 0, 0, state.volume.periodic);
-    ExchangeStep step = exchangeStep(state, front, 1);
-    step.entering[0] = 1;
+    Beam beam = darkBeam(state, front);
+    beam.entering[0] = 1;
     ExchangeFields fields;
     fields.tau = viewOf(state.tau);
     fields.unshot[0] = {state.zero.brick(0), 0};
@@ -94,8 +94,9 @@ void addSun(SolverState& state, const Sun& sun) {
     BrickField furnace;
     if (!state.surfaces.empty()) fields.surfaces = &state.surfaces;
     if (showsDirectLight(state)) fields.furnace = viewOf(furnace = BrickField(state.surfaces.bricks.size()));
-    step.furnaceRay = 1;
-    const SweepTotals totals = sweep(state.volume, front, Interpolation::linear, fields, step);
+    beam.furnaceRay = 1;
+    const RaySums totals =
+        sweep(state.volume, {beam}, Interpolation::linear, fields, exchangeStep(state, 1, 1)).front();
 
     ChannelPower power;
     for (int c = 0; c < state.channels; ++c) {

@@ -198,6 +198,14 @@ double PowerBalance::error() const {
     return worst;
 }
 
+void absorbingAreas(const SolverState& state, std::size_t b, float* area) {
+    const float* const tau = state.tau.brick(b);
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        const double depth = double(tau[i]);
+        area[i] = float(meanAbsorbingArea(state, depth, state.escape.fit().probability(depth)));
+    }
+}
+
 void computeRadiosity(const SolverState& state, int channel, const BrickField& extra, BrickField& radiosity) {
     const std::size_t bricks = state.volume.layout.brickCount();
     const double perInjection = 1.0 / std::max(1, state.injections);

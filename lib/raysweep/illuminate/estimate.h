@@ -15,6 +15,9 @@ ChannelPower unshotPower(const SolverState& state);
 /// The books after all sweeps, per injection, W.
 PowerBalance balance(const SolverState& state);
 
+/// F / (4 pi) of the voxels of brick `b`, world unit^2, taken all to be medium.
+void absorbingAreas(const SolverState& state, std::size_t b, float* area);
+
 /// Radiosity of channel `channel`, W m^-2 sr^-1. kUnknown in voxels that have none of their own: those without
 /// extinction; and those inside opaque solids, which light does not reach and which show through the surface only by
 /// interpolation.

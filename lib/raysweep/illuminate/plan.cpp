@@ -87,11 +87,12 @@ void Scene::validate() const {
 }
 
 void IlluminateOptions::validate() const {
-    requireBetween("zeta", zeta, 0, 1, true);
+    requireBetween("zeta", zeta, 0, 1);
     requireBetween("tolerance", tolerance, 0, 1e30);
     requireBetween("sweeps", sweeps, 0, 1e9);
     requireBetween("unshot share", unshotShare, 0, 1, true);
-    requireBetween("batch", batch, 1, 1e6);
+    requireBetween("batch", batch, 1, 1e5);
+    requireBetween("beams", beams, 0, kMostBeams);
     requireBetween("surface threshold", surfaceThreshold, 0, 1, true);
     requireBetween("snapshot interval", snapshotEvery, 0, 1e9);
 }

@@ -65,8 +65,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
         quadAreas.push_back(rasterizeQuad(quad, medium.density->transform()));
         grids.push_back(quadAreas.back());
     }
-    SolverState state(layoutBricks(grids, bytesPerVoxel(scene, options, plan)));
-    state.volume.periodic = options.periodic;
+    SolverState state(layoutBricks(grids, bytesPerVoxel(scene, options, plan)), options.periodic);
     state.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
     state.surfaceThreshold = options.surfaceThreshold;
     state.solids = plan.surfaces;
@@ -149,18 +148,24 @@ double sumOf(const BrickField& field) {
         16);
 }
 
-ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, double zeta) {
+ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams) {
     ExchangeStep step;
     step.model = state.exchange;
     step.escape = state.escape.fit();
-    const double length =
-        state.exchange == ExchangeModel::paper ? std::cbrt(state.volume.layout.voxelVolume) : front.stepLength;
-    step.stepScale = float(length / state.escape.meanStepLength());
     step.zeta = float(zeta);
-    for (int axis = 0; axis < 3; ++axis) step.direction[axis] = float(front.direction[axis]);
-    step.furnaceRay = float(front.crossSection / state.voxelFace());
+    step.mostShot = 1.0f / float(beams);
     step.solidTau = float(state.solidTau());
     return step;
+}
+
+Beam darkBeam(const SolverState& state, const RayFront& front) {
+    Beam beam;
+    beam.front = front;
+    const double length =
+        state.exchange == ExchangeModel::paper ? std::cbrt(state.volume.layout.voxelVolume) : front.stepLength;
+    beam.stepScale = float(length / state.escape.meanStepLength());
+    beam.furnaceRay = float(front.crossSection / state.voxelFace());
+    return beam;
 }
 
 double thickShare(const SolverState& state) {

@@ -10,7 +10,8 @@ namespace raysweep {
 
 /// Powers are kept in units of `powerUnit`, so that floats work for any voxel size and any strength of light.
 struct SolverState {
-    explicit SolverState(BrickLayout layout) : volume(std::move(layout)), escape(volume.layout.worldFromIndex) {}
+    SolverState(BrickLayout layout, const Periodic& periodic)
+        : volume(std::move(layout), periodic), escape(volume.layout.worldFromIndex) {}
 
     SweepVolume volume;
     Escape escape;
@@ -79,8 +80,11 @@ struct ChannelPower {
 /// Sum over all voxels.
 double sumOf(const BrickField& field);
 
-/// The constants of a sweep along `front`.
-ExchangeStep exchangeStep(const SolverState& state, const RayFront& front, double zeta);
+/// The constants of a sweep of at most `beams` beams, each of which shoots the part `zeta`.
+ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams);
+
+/// The beam of `front`, dark.
+Beam darkBeam(const SolverState& state, const RayFront& front);
 
 /// Part of the active voxels that are a medium and whose optical depth (extinction * edge of a cube of a voxel's
 /// volume) is above 2.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -40,38 +41,58 @@ Matrix3 randomRotation(std::mt19937_64& random) {
             2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y)};
 }
 
-DirectionSequence::DirectionSequence(DirectionSet set, int batch, std::uint64_t seed)
-    : set_(set), batch_(std::size_t(batch)), random_(seed) {}
+DirectionSequence::DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf)
+    : options_(options), classOf_(std::move(classOf)), random_(options.seed) {}
+
+/// As large as all before. An estimate is good when a batch is complete: if it is known where the last one ends, it takes
+/// what would be left for one of less than half its size.
+std::size_t DirectionSequence::nextBatch() const {
+    const std::size_t first = std::size_t(options_.batch), total = std::size_t(options_.total);
+    const std::size_t size = drawn_ == 0 ? first : std::min(drawn_, std::max(first, kLargestBatch));
+    if (drawn_ >= total || drawn_ + size + size / 2 < total) return size;
+    return total - drawn_;
+}
 
 void DirectionSequence::refill() {
     const Matrix3 rotation = randomRotation(random_);
-    const std::size_t size = drawn_ == 0 ? batch_ : std::min(drawn_, std::max(batch_, kLargestBatch));
-    shuffled_ = sphericalFibonacci(int(size));
+    const std::size_t size = nextBatch();
+    std::vector<Vec3> shuffled = sphericalFibonacci(int(size));
     drawn_ += size;
-    for (Vec3& point : shuffled_) point = point * rotation;
     // Fisher-Yates by hand: std::shuffle is not the same on every platform.
-    for (std::size_t i = shuffled_.size() - 1; i > 0; --i)
-        std::swap(shuffled_[i], shuffled_[std::size_t(uniform01(random_) * double(i + 1))]);
-    used_ = 0;
+    for (std::size_t i = shuffled.size() - 1; i > 0; --i)
+        std::swap(shuffled[i], shuffled[std::size_t(uniform01(random_) * double(i + 1))]);
+    // A group comes when it is full, so groups are in as random an order as their members.
+    std::vector<Vec3> open[kClasses];
+    for (const Vec3& point : shuffled) {
+        const Vec3 direction = point * rotation;
+        std::vector<Vec3>& group = open[options_.groupSize > 1 ? classOf_(direction) : 0];
+        group.push_back(direction);
+        if (group.size() == std::size_t(options_.groupSize)) groups_.push_back(std::exchange(group, {}));
+    }
+    for (std::vector<Vec3>& group : open)
+        if (!group.empty()) groups_.push_back(std::move(group));
 }
 
-Vec3 DirectionSequence::next() {
-    switch (set_) {
-        case DirectionSet::random: {
-            const double z = 1 - 2 * uniform01(random_);
-            return onSphere(z, 2 * kPi * uniform01(random_));
-        }
-        case DirectionSet::lowDiscrepancy: {
-            // Roberts 2018: the plastic number's powers give the most even plane recurrence.
-            constexpr double kA = 0.7548776662466927, kB = 0.5698402909980532;
-            ++step_;
-            return onSphere(1 - 2 * fraction(0.5 + kA * double(step_)), 2 * kPi * fraction(0.5 + kB * double(step_)));
-        }
-        case DirectionSet::fibonacci:
-            break;
+Vec3 DirectionSequence::nextOfRecurrence() {
+    // Roberts 2018: the plastic number's powers give the most even plane recurrence.
+    constexpr double kA = 0.7548776662466927, kB = 0.5698402909980532;
+    ++step_;
+    return onSphere(1 - 2 * fraction(0.5 + kA * double(step_)), 2 * kPi * fraction(0.5 + kB * double(step_)));
+}
+
+std::vector<Vec3> DirectionSequence::nextGroup(int most) {
+    if (options_.set == DirectionSet::random) {
+        const double z = 1 - 2 * uniform01(random_);
+        return {onSphere(z, 2 * kPi * uniform01(random_))};
     }
-    if (shuffled_.empty() || used_ == shuffled_.size()) refill();
-    return shuffled_[used_++];
+    if (options_.set == DirectionSet::lowDiscrepancy) return {nextOfRecurrence()};
+    if (groups_.empty()) refill();
+    std::vector<Vec3>& first = groups_.front();
+    const std::size_t count = std::min(first.size(), std::size_t(most));
+    const std::vector<Vec3> group(first.begin(), first.begin() + std::ptrdiff_t(count));
+    first.erase(first.begin(), first.begin() + std::ptrdiff_t(count));
+    if (first.empty()) groups_.pop_front();
+    return group;
 }
 
 }  // namespace raysweep

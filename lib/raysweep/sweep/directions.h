@@ -4,6 +4,8 @@
 #include "raysweep/core/types.h"
 
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -31,20 +33,35 @@ double uniform01(std::mt19937_64& random);
 /// An endless sequence of unit vectors in which light travels.
 class DirectionSequence {
   public:
-    /// @param batch points of the first Fibonacci batch, >= 1. Points drawn from a batch without replacement repel each
-    ///        other: their mean scalar product is -1/(size - 1). Power that is scattered several times within one batch
-    ///        would be sent back too often (batches of 32: 15 % too little through a slab of optical thickness 5,
-    ///        however many sweeps), so batches must outgrow the number of sweeps that power stays in the volume.
-    DirectionSequence(DirectionSet set, int batch, std::uint64_t seed);
-    Vec3 next();
+    struct Options {
+        DirectionSet set = DirectionSet::fibonacci;
+        /// Points of the first Fibonacci batch, >= 1. Points drawn from a batch without replacement repel each other:
+        /// their mean scalar product is -1/(size - 1). Power that is scattered several times within one batch would be
+        /// sent back too often (batches of 32: 15 % too little through a slab of optical thickness 5, however many
+        /// sweeps), so batches must outgrow the number of sweeps that power stays in the volume.
+        int batch = 20;
+        std::uint64_t seed = 1;
+        int groupSize = 1;  ///< directions that are to come in a group, >= 1
+        int total = 0;      ///< directions that will be asked for, for a batch to end there; 0: not known
+    };
+
+    /// @param classOf number of the class of a direction, in [0, kClasses); a group is of one class
+    explicit DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf = {});
+    Vec3 next() { return nextGroup(1).front(); }
+    /// Directions of one class: up to `groupSize` and up to `most`. Those left over come next.
+    std::vector<Vec3> nextGroup(int most);
+
+    static constexpr int kClasses = 24;
 
   private:
+    Vec3 nextOfRecurrence();
+    std::size_t nextBatch() const;
     void refill();
 
-    DirectionSet set_;
-    std::size_t batch_;
-    std::vector<Vec3> shuffled_;
-    std::size_t used_ = 0, drawn_ = 0;
+    Options options_;
+    std::function<int(const Vec3&)> classOf_;
+    std::deque<std::vector<Vec3>> groups_;
+    std::size_t drawn_ = 0;
     std::uint64_t step_ = 0;
     std::mt19937_64 random_;
 };

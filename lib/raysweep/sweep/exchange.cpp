@@ -15,22 +15,38 @@ namespace raysweep {
 namespace HWY_NAMESPACE {
 namespace {
 
+/// 1 / p of the voxels at `i`, and where they are surfaces 1.
 template <ExchangeModel kModel>
-void settle(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
+HWY_INLINE Vec inverseEscapeAt(const ExchangeStep& step, const PackedNormal* normals, int i, Vec tau) {
+    const Vec inverse = inverseEscape<kModel>(step, tau);
+    return normals ? withoutEscape(normals + i, inverse) : inverse;
+}
+
+template <ExchangeModel kModel>
+void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
     const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
-        RowTerms terms = rowTerms<kModel>(step, tau);
-        if (normals) applySurfaces<kModel>(step, normals + i, tau, terms);
+        const Vec inverse = inverseEscapeAt<kModel>(step, normals, i, tau);
+        const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, step.zeta));
+        RowSurfaces surfaces;
+        if (normals) surfaces = rowSurfaces(step, normals + i, tau);
+        Vec shot = hn::Zero(kLanes);
+        for (const Beam& beam : beams) {
+            RowTerms terms = rowTerms<kModel, false>(step, beam.stepScale, tau, shotPart);
+            if (normals) applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
+            shot = hn::Add(shot, terms.shot);
+        }
+        const Vec times = hn::Set(kLanes, float(beams.size()));
         for (int c = 0; c < fields.channels; ++c) {
             float* const unshot = fields.unshot[c].brick(b) + i;
             float* const deposit = fields.deposit[c].brick(b) + i;
             float* const fresh = fields.fresh[c].brick(b) + i;
             const Vec U = hn::Load(kLanes, unshot), in = hn::Load(kLanes, fresh);
-            const Vec g = effectiveAlbedo(terms, hn::Load(kLanes, fields.albedo[c].brick(b) + i));
-            const Vec added = hn::Load(kLanes, fields.source[c].brick(b) + i);
-            const Vec left = hn::Sub(U, hn::Mul(U, terms.shot));
-            hn::Store(hn::MulAdd(g, in, hn::Add(left, added)), kLanes, unshot);
+            const Vec g = effectiveAlbedo(inverse, hn::Load(kLanes, fields.albedo[c].brick(b) + i));
+            const Vec left = hn::MulAdd(hn::Load(kLanes, fields.source[c].brick(b) + i), times,
+                                        hn::Sub(U, hn::Mul(U, shot)));
+            hn::Store(hn::MulAdd(g, in, left), kLanes, unshot);
             hn::Store(hn::Add(hn::Load(kLanes, deposit), in), kLanes, deposit);
             hn::Store(hn::Zero(kLanes), kLanes, fresh);
         }
@@ -39,19 +55,20 @@ void settle(const ExchangeFields& fields, const ExchangeStep& step, std::size_t 
 
 }  // namespace
 
-void settleDispatched(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
-    step.model == ExchangeModel::paper ? settle<ExchangeModel::paper>(fields, step, b)
-                                       : settle<ExchangeModel::consistent>(fields, step, b);
+void settleDispatched(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+                      std::size_t b) {
+    step.model == ExchangeModel::paper ? settle<ExchangeModel::paper>(beams, fields, step, b)
+                                       : settle<ExchangeModel::consistent>(beams, fields, step, b);
 }
 
 void effectiveAlbedosDispatched(const ExchangeStep& step, const PackedNormal* normals, const float* tau,
                                 const float* albedo, float* g) {
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec depth = hn::Load(kLanes, tau + i);
-        RowTerms terms = step.model == ExchangeModel::paper ? rowTerms<ExchangeModel::paper>(step, depth)
-                                                            : rowTerms<ExchangeModel::consistent>(step, depth);
-        if (normals) applySurfaces<ExchangeModel::consistent>(step, normals + i, depth, terms);
-        hn::Store(effectiveAlbedo(terms, hn::Load(kLanes, albedo + i)), kLanes, g + i);
+        const Vec inverse = step.model == ExchangeModel::paper
+                                ? inverseEscapeAt<ExchangeModel::paper>(step, normals, i, depth)
+                                : inverseEscapeAt<ExchangeModel::consistent>(step, normals, i, depth);
+        hn::Store(effectiveAlbedo(inverse, hn::Load(kLanes, albedo + i)), kLanes, g + i);
     }
 }
 
@@ -65,8 +82,9 @@ namespace raysweep {
 HWY_EXPORT(settleDispatched);
 HWY_EXPORT(effectiveAlbedosDispatched);
 
-void settleBrick(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
-    HWY_DYNAMIC_DISPATCH(settleDispatched)(fields, step, b);
+void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+                 std::size_t b) {
+    HWY_DYNAMIC_DISPATCH(settleDispatched)(beams, fields, step, b);
 }
 
 void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,

@@ -19,6 +19,9 @@
 /// beside its power a ray carries f, the *local furnace*, which is set to radiance 1 where it is outside of solids and
 /// is taken in and attenuated like power inside them. What it leaves behind is the voxel's furnace deposit F.
 ///
+/// Several beams that share an axis go through a brick together. All of them read the U that the brick had before, and
+/// each shoots its part of that: none sees what another has just left there, which would bring it back the way it came.
+///
 /// "Outside" has to be told with care, or rays are counted twice (F too large) or not at all. Inside are surface
 /// voxels, and opaque ones behind them (in bricks that have a surface): a ray set back to 1 there would count again
 /// where it comes upon another surface from within, at every concave edge. A ray that cuts a step of a staircase and
@@ -28,13 +31,11 @@
 #pragma once
 
 #include "raysweep/sweep/escape.h"
-#include "raysweep/sweep/ray_tiles.h"
+#include "raysweep/sweep/front_rays.h"
 #include "raysweep/volume/bricks.h"
 #include "raysweep/volume/surface.h"
 
 namespace raysweep {
-
-constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
 
 /// Voxels of a smaller optical depth count as empty.
 constexpr float kThinnest = 1e-20f;
@@ -75,45 +76,52 @@ struct ExchangeFields {
     int channels = 1;
     BrickView<const float> tau;                   ///< extinction * mean step length
     BrickView<const float> albedo[kMaxChannels];  ///< single-scattering albedo
-    BrickView<const float> source[kMaxChannels];  ///< power added to `unshot` in each sweep, W
+    BrickView<const float> source[kMaxChannels];  ///< power added to `unshot` for each beam, W
     BrickView<float> unshot[kMaxChannels];        ///< U, W
     BrickView<float> deposit[kMaxChannels];       ///< D, W
     BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone, W; `linear` only
     const Surfaces* surfaces = nullptr;           ///< null: none
     BrickView<float> furnace;          ///< F of the surfaces' bricks, in units of a ray's; null: not measured
-    CrossingRays* arriving = nullptr;  ///< in a volume that is periodic along the sweep's axis: rays that
-    CrossingRays* leaving = nullptr;   ///< come from the repetition before, and that go on to the next
 };
+
+constexpr int kMostBeams = 8;  ///< in one sweep
 
 /// What is constant during one sweep.
 struct ExchangeStep {
     ExchangeModel model = ExchangeModel::consistent;
     EscapeFit escape;
-    float stepScale = 1;                 ///< step length / mean step length
-    float zeta = 0.5f;                   ///< part of the unshot power that is shot, (0,1]
-    float entering[kMaxChannels] = {0};  ///< power of a ray when it enters the volume, W
-    float direction[3] = {0};            ///< unit vector of travel, world; surfaces only
-    float furnaceRay = 1;                ///< what a ray of radiance 1 adds to `furnace`
-    float solidTau = 1e30f;              ///< tau from which on a voxel is solid, surface or not
+    float zeta = 0.5f;         ///< part of the unshot power that is shot along each beam, (0,1]
+    float mostShot = 1;        ///< the most that a beam may take of it; together they must not take more than there is
+    float solidTau = 1e30f;    ///< tau from which on a voxel is solid, surface or not
 };
 
-/// Ray powers summed over a tile's rays at both ends, W.
-struct TileSums {
-    double rays = 0;  ///< number of rays that entered
-    double escaped[kMaxChannels] = {0};
+/// A brick as a sweep meets it.
+struct BrickVisit {
+    std::uint32_t brick;  ///< kNoBrick: a margin, see marginsBelow
+    int column, row;      ///< lateral coordinates of its low corner (of its image, in a periodic volume)
+    int step;             ///< slice number, in the order of travel, of its first slice
+    std::uint32_t beyondRow, beyondColumn, beyondBoth;  ///< bricks next to it on the upper side; `linear` only
 };
 
-/// Steps the rays of `tile` through its bricks; every voxel meets one ray (`nearest`).
-void exchangeNearest(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                     TileSums& sums);
+/// The beams of a sweep and their rays. All have the same axis, and go the same way along each lateral axis.
+struct SweptBeams {
+    const std::vector<Beam>& beams;
+    std::vector<FrontRays>& rays;
+    std::size_t count() const { return beams.size(); }
+};
+
+/// Steps the rays through bricks, none of which may come before one upwind of it; every voxel meets one ray of each
+/// beam (`nearest`).
+void exchangeNearest(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                     const ExchangeStep& step);
 
 /// The same where a ray meets the 2x2 voxels around it with bilinear weights. U is only read, and the deposit goes to
-/// `fresh`; when all tiles are done, `settleBrick` brings both up to date.
-void exchangeLinear(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                    TileSums& sums);
+/// `fresh`; when all bricks are done, `settleBrick` brings both up to date.
+void exchangeLinear(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                    const ExchangeStep& step);
 
 /// Ends a `linear` sweep for brick `b`: D += fresh, U += g fresh - out + source, fresh = 0.
-void settleBrick(const ExchangeFields& fields, const ExchangeStep& step, std::size_t b);
+void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step, std::size_t b);
 
 /// g of every voxel of a brick as the exchange computes it. `albedo`, `tau` and `g` have 512 values, and `normals`,
 /// unless it is null.

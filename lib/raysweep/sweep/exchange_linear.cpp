@@ -1,9 +1,13 @@
 // `linear`: a ray meets the 2x2 voxels around it. Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections
 // of docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
+//
+// With w the bilinear weights between ray and voxel, which sum to 1 for either, voxel v takes alpha_v sum_i w e_i, and
+// ray i becomes e_i (1 - sum_v w alpha_v) + sum_v w out_v: what a ray loses is what voxels take, and a ray needs no
+// other ray. A brick handles the rays whose lower voxels are its own; the upper ones may be those of the bricks beyond.
 #include "raysweep/sweep/exchange.h"
-#include "raysweep/sweep/tile_rays.h"
 
-#include <vector>
+#include <algorithm>
+#include <cstring>
 
 #include "raysweep/sweep/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
@@ -11,6 +15,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "raysweep/sweep/beam_slice-inl.h"
 #include "raysweep/sweep/exchange_terms-inl.h"
 #include "raysweep/sweep/transpose-inl.h"
 
@@ -19,239 +24,342 @@ namespace raysweep {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// A brick in a layer of a `linear` sweep: what its voxels do to rays, and what they receive.
+constexpr int kRows = kBrickEdge + 1;   ///< a brick's own and the first one beyond
+constexpr int kWidth = 2 * kBrickEdge;  ///< of a row: own columns, the first one beyond, nothing
+
+/// Values of a brick and of the first row and column of the bricks beyond, slice by slice.
+template <class T>
+struct Padded {
+    HWY_ALIGN T value[kBrickEdge][kRows][kWidth];
+};
+
+/// Where voxel (slice, row, column) of a sweep axis is in a brick.
+struct Strides {
+    int slice, row, column;
+    explicit Strides(const SweepAxis& axis)
+        : slice(64 >> 3 * axis.major), row(64 >> 3 * axis.row), column(64 >> 3 * axis.column) {}
+};
+
+/// Calls `visit(j, r, c, at)` for voxel (j, r, c) of the padding that lies in the brick beyond the rows, the columns or
+/// both, with its offset there.
+template <class Visit>
+HWY_INLINE void forEachBeyond(const Strides& strides, bool rows, bool columns, const Visit& visit) {
+    for (int j = 0; j < kBrickEdge; ++j)
+        for (int r = rows ? kBrickEdge : 0; r < (rows ? kRows : kBrickEdge); ++r)
+            for (int c = columns ? kBrickEdge : 0; c < (columns ? kRows : kBrickEdge); ++c)
+                visit(j, r, c, j * strides.slice + (r & 7) * strides.row + (c & 7) * strides.column);
+}
+
+/// The four bricks whose voxels the rays of a visit meet.
+struct Quartet {
+    struct Part {
+        std::uint32_t brick;
+        bool rows, columns;  ///< beyond
+    };
+    Part parts[4];
+
+    explicit Quartet(const BrickVisit& visit)
+        : parts{{visit.brick, false, false},
+                {visit.beyondRow, true, false},
+                {visit.beyondColumn, false, true},
+                {visit.beyondBoth, true, true}} {}
+};
+
+/// Copies the voxels of a brick's field to where they belong in the padding. @param from 512 values
+template <class T>
+HWY_INLINE void pad(const SweepAxis& axis, const Quartet::Part& part, const T* from, Padded<T>& to) {
+    const Strides strides(axis);
+    if (part.rows || part.columns)
+        return forEachBeyond(strides, part.rows, part.columns,
+                             [&](int j, int r, int c, int at) { to.value[j][r][c] = from[at]; });
+    HWY_ALIGN T turned[kBrickVoxels];
+    if (axis.transposed) transposePlanes(from, turned, 0, kBrickEdge - 1);
+    const T* const rows = axis.transposed ? turned : from;
+    for (int j = 0; j < kBrickEdge; ++j)
+        for (int r = 0; r < kBrickEdge; ++r)
+            std::memcpy(to.value[j][r], rows + j * axis.sliceStride + r * axis.rowStride, kBrickEdge * sizeof(T));
+}
+
+/// Adds the padding's values to a brick's field.
+HWY_INLINE void addTo(const SweepAxis& axis, const Quartet::Part& part, const Padded<float>& from, float* to) {
+    const Strides strides(axis);
+    if (part.rows || part.columns)
+        return forEachBeyond(strides, part.rows, part.columns,
+                             [&](int j, int r, int c, int at) { to[at] += from.value[j][r][c]; });
+    HWY_ALIGN float rows[kBrickVoxels];
+    HWY_ALIGN float turned[kBrickVoxels];
+    for (int j = 0; j < kBrickEdge; ++j)
+        for (int r = 0; r < kBrickEdge; ++r)
+            std::memcpy(rows + j * axis.sliceStride + r * axis.rowStride, from.value[j][r],
+                        kBrickEdge * sizeof(float));
+    if (axis.transposed) transposePlanes(rows, turned, 0, kBrickEdge - 1);
+    const float* const values = axis.transposed ? turned : rows;
+    for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes)))
+        hn::Store(hn::Add(hn::Load(kLanes, to + i), hn::Load(kLanes, values + i)), kLanes, to + i);
+}
+
+/// A visit's voxels, and what they take.
 template <int kChannels>
 struct LinearBrick {
-    HWY_ALIGN float opacity[kBrickVoxels];
-    HWY_ALIGN float out[kChannels][kBrickVoxels];
-    HWY_ALIGN float in[kChannels][kBrickVoxels];
-    bool furnace = false;                 ///< has surfaces whose furnace is measured
-    HWY_ALIGN float solid[kBrickVoxels];  ///< 1 where rays are inside a solid, -1 where they leave one, else 0
-    HWY_ALIGN float furnaceIn[kBrickVoxels];
+    Padded<float> tau, shotPart, unshot[kChannels];
+    Padded<PackedNormal> normals;
+    Padded<float> measured;  ///< 1 where the furnace is measured: in bricks that have surfaces
+    Padded<float> in[kChannels], furnaceIn;
+    bool surfaces, furnace;
+    int rows, width;  ///< those that are not all empty
+    int firstRay;     ///< first row of rays that meet anything
+    float thickest;
 };
 
 template <ExchangeModel kModel, int kChannels>
-HWY_INLINE void prepareLinear(const RayFront& front, const ExchangeFields& fields, const ExchangeStep& step,
-                              std::size_t b, LinearBrick<kChannels>& brick) {
-    HWY_ALIGN float opacity[kBrickVoxels];
-    HWY_ALIGN float solid[kBrickVoxels];
-    HWY_ALIGN float out[kChannels][kBrickVoxels];
-    const bool turn = front.axis.transposed;
-    float* const opacityTo = turn ? opacity : brick.opacity;
-    float* const solidTo = turn ? solid : brick.solid;
-    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
-    brick.furnace = normals && fields.furnace.data;
-    for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
-        const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
-        RowTerms terms = rowTerms<kModel>(step, tau);
-        if (normals) {
-            const RowSolids solids = applySurfaces<kModel>(step, normals + i, tau, terms);
-            const Vec leaving = hn::IfThenElseZero(solids.leaving, hn::Set(kLanes, -1.0f));
-            hn::Store(hn::IfThenElse(solids.inside, hn::Set(kLanes, 1.0f), leaving), kLanes, solidTo + i);
-            hn::Store(hn::Zero(kLanes), kLanes, brick.furnaceIn + i);
-        }
-        hn::Store(terms.opacity, kLanes, opacityTo + i);
-        for (int c = 0; c < kChannels; ++c) {
-            const Vec U = hn::Load(kLanes, fields.unshot[c].brick(b) + i);
-            hn::Store(hn::Mul(U, terms.shot), kLanes, (turn ? out[c] : brick.out[c]) + i);
-            hn::Store(hn::Zero(kLanes), kLanes, brick.in[c] + i);
-        }
+void fill(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& fields, const ExchangeStep& step,
+          LinearBrick<kChannels>& brick) {
+    std::memset(&brick, 0, sizeof brick);
+    const auto present = [&](int part) { return quartet.parts[part].brick != kNoBrick; };
+    brick.rows = present(1) || present(3) ? kRows : kBrickEdge;
+    brick.width = present(2) || present(3) ? kWidth : kBrickEdge;
+    brick.firstRay = present(0) || present(2) ? 0 : kBrickEdge - 1;
+    for (const Quartet::Part& part : quartet.parts) {
+        if (part.brick == kNoBrick) continue;
+        pad(axis, part, fields.tau.brick(part.brick), brick.tau);
+        for (int c = 0; c < kChannels; ++c) pad(axis, part, fields.unshot[c].brick(part.brick), brick.unshot[c]);
+        const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(part.brick) : nullptr;
+        if (!normals) continue;
+        brick.surfaces = true;
+        brick.furnace = fields.furnace.data != nullptr;
+        pad(axis, part, normals, brick.normals);
+        HWY_ALIGN float ones[kBrickVoxels];
+        std::fill_n(ones, kBrickVoxels, 1.0f);
+        pad(axis, part, ones, brick.measured);
     }
-    if (!turn) return;
-    transposePlanes(opacity, brick.opacity, 0, kBrickEdge - 1);
-    if (normals) transposePlanes(solid, brick.solid, 0, kBrickEdge - 1);
-    for (int c = 0; c < kChannels; ++c) transposePlanes(out[c], brick.out[c], 0, kBrickEdge - 1);
+    Vec most = hn::Zero(kLanes);
+    for (int j = 0; j < kBrickEdge; ++j)
+        for (int r = 0; r < brick.rows; ++r)
+            for (int lane = 0; lane < brick.width; lane += int(hn::Lanes(kLanes))) {
+                const Vec tau = hn::Load(kLanes, brick.tau.value[j][r] + lane);
+                most = hn::Max(most, tau);
+                hn::Store(hn::Mul(inverseEscape<kModel>(step, tau), hn::Set(kLanes, step.zeta)), kLanes,
+                          brick.shotPart.value[j][r] + lane);
+            }
+    brick.thickest = hn::GetLane(hn::MaxOfLanes(kLanes, most));
 }
 
+/// What the voxels of a slice do to the rays of a beam, and the rays before.
 template <int kChannels>
-HWY_INLINE void finishLinear(const RayFront& front, const ExchangeFields& fields, std::size_t b,
-                             const LinearBrick<kChannels>& brick) {
-    HWY_ALIGN float turned[kBrickVoxels];
-    const auto add = [&](const float* in, float* to) {
-        if (front.axis.transposed) {
-            transposePlanes(in, turned, 0, kBrickEdge - 1);
-            in = turned;
-        }
-        for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes)))
-            hn::Store(hn::Add(hn::Load(kLanes, to + i), hn::Load(kLanes, in + i)), kLanes, to + i);
-    };
-    for (int c = 0; c < kChannels; ++c) add(brick.in[c], fields.fresh[c].brick(b));
-    if (brick.furnace) add(brick.furnaceIn, fields.furnace.brick(fields.surfaces->slots[b]));
-}
+struct LinearSlice {
+    static constexpr int kLeft = kBrickEdge, kRayWidth = kLeft + kWidth;
+    HWY_ALIGN float opacity[kRows][kWidth];
+    HWY_ALIGN float out[kChannels][kRows][kWidth];
+    HWY_ALIGN float taken[kRows][kWidth];  ///< opacity inside solids, for the furnace
+    HWY_ALIGN float solid[kRows][kWidth];  ///< 1 where rays are inside, -1 where they leave, else 0
+    HWY_ALIGN float rays[kChannels][kRows + 1][kRayWidth];  ///< ray (row, column) at [row + 1][kLeft + column]
+    HWY_ALIGN float furnace[kRows + 1][kRayWidth];
+};
 
-/// Bilinear weights of the 2x2 voxels around a ray; the same for all rays of a slice.
+/// Bilinear weights of the voxels around a ray; the same for all rays of a slice.
 struct Stencil {
-    float weight[2][2];  ///< [row][column]
+    Vec column, row;  ///< of the upper voxels
 
-    Stencil(const RayFront& front, int step) {
-        const float fu = float(front.column.position(step) - front.column.shift(step));
-        const float fv = float(front.row.position(step) - front.row.shift(step));
-        weight[0][0] = (1 - fv) * (1 - fu);
-        weight[0][1] = (1 - fv) * fu;
-        weight[1][0] = fv * (1 - fu);
-        weight[1][1] = fv * fu;
+    Stencil(const RayFront& front, int k)
+        : column(hn::Set(kLanes, float(front.column.position(k) - front.column.shift(k)))),
+          row(hn::Set(kLanes, float(front.row.position(k) - front.row.shift(k)))) {}
+
+    static HWY_INLINE Vec mix(Vec part, Vec lower, Vec upper) {
+        return hn::MulAdd(part, upper, hn::NegMulAdd(part, lower, lower));
+    }
+    /// Value at rays between voxels at `row` and the next ones on.
+    HWY_INLINE Vec acrossColumns(const float* at) const {
+        return mix(column, hn::LoadU(kLanes, at), hn::LoadU(kLanes, at + 1));
+    }
+    /// Value at voxels between rays at `row` and the ones before.
+    HWY_INLINE Vec fromColumns(const float* at) const {
+        return mix(column, hn::LoadU(kLanes, at), hn::LoadU(kLanes, at - 1));
     }
 };
 
-/// Slice j of a brick: voxels take from the rays around them (all still as they were before this slice) and the changes
-/// of the rays are added up in `change`. A voxel with weight [dv][du] to a ray is `du`, `dv` beyond the ray's shift.
-template <int kChannels>
-HWY_INLINE void linearSlice(const RayFront& front, const Overlap& overlap, int j, const Stencil& stencil,
-                            LinearBrick<kChannels>& brick, TileRays& rays, TileRays& change) {
-    for (int r = 0; r < kBrickEdge; ++r) {
-        const int at = overlap.slice[j] * front.axis.sliceStride + r * front.axis.rowStride;
-        for (int dv = 0; dv < 2; ++dv) {
-            const int row = overlap.row[j] + r - dv;
-            if (row < 0 || row >= rays.rows()) continue;
+/// Opacity and emission of the voxels of slice `j`.
+template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces>
+HWY_INLINE void findTerms(const ExchangeStep& step, const Beam& beam, const LinearBrick<kChannels>& brick, int j,
+                          LinearSlice<kChannels>& slice) {
+    for (int r = 0; r < brick.rows; ++r)
+        for (int lane = 0; lane < brick.width; lane += int(hn::Lanes(kLanes))) {
+            const Vec tau = hn::Load(kLanes, brick.tau.value[j][r] + lane);
+            const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j][r] + lane);
+            RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.stepScale, tau, shotPart);
+            if (kSurfaces) {
+                const RowSurfaces surfaces = rowSurfaces(step, brick.normals.value[j][r] + lane, tau);
+                const RowSolids solids = applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
+                const Vec measured = hn::Load(kLanes, brick.measured.value[j][r] + lane);
+                const Vec inside = hn::IfThenElseZero(solids.inside, measured);
+                const Vec leaving = hn::IfThenElseZero(solids.leaving, measured);
+                hn::Store(hn::Sub(inside, leaving), kLanes, slice.solid[r] + lane);
+                hn::Store(hn::Mul(inside, terms.opacity), kLanes, slice.taken[r] + lane);
+            }
+            hn::Store(terms.opacity, kLanes, slice.opacity[r] + lane);
             for (int c = 0; c < kChannels; ++c)
-                for (int du = 0; du < 2; ++du) {
-                    const Vec weight = hn::Set(kLanes, stencil.weight[dv][du]);
-                    const std::size_t plane = std::size_t(c) * rays.planeStride();
-                    float* const ray = rays.row(row) + plane + overlap.column[j] - du;
-                    float* const delta = change.row(row) + plane + overlap.column[j] - du;
-                    for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-                        const Vec opacity = hn::Mul(weight, hn::Load(kLanes, brick.opacity + at + lane));
-                        const Vec in = hn::Mul(opacity, hn::LoadU(kLanes, ray + lane));
-                        const Vec out = hn::Mul(weight, hn::Load(kLanes, brick.out[c] + at + lane));
-                        float* const into = brick.in[c] + at + lane;
-                        hn::Store(hn::Add(hn::Load(kLanes, into), in), kLanes, into);
-                        hn::StoreU(hn::Add(hn::LoadU(kLanes, delta + lane), hn::Sub(out, in)), kLanes, delta + lane);
-                    }
+                hn::Store(hn::Mul(terms.shot, hn::Load(kLanes, brick.unshot[c].value[j][r] + lane)), kLanes,
+                          slice.out[c][r] + lane);
+        }
+}
+
+/// Takes the rays of a beam through a slice, and remembers what they were before.
+template <int kChannels, bool kClipped>
+HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
+                         LinearSlice<kChannels>& slice) {
+    for (int r = firstRay; r < kBrickEdge; ++r)
+        for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+            const auto at = [&](const auto& field) {
+                return Stencil::mix(stencil.row, stencil.acrossColumns(field[r] + lane),
+                                    stencil.acrossColumns(field[r + 1] + lane));
+            };
+            const Vec opacity = at(slice.opacity);
+            for (int c = 0; c < kChannels; ++c) {
+                float* const to = slice.rays[c][r + 1] + slice.kLeft + lane;
+                if (kClipped && clip.missesRow(r)) {
+                    hn::Store(hn::Zero(kLanes), kLanes, to);
+                    continue;
                 }
-        }
-    }
-}
-
-/// The rays that slice j of a brick meets.
-struct MetRays {
-    int firstColumn, endColumn, firstRow, endRow;
-
-    MetRays(const Overlap& overlap, int j, const TileRays& rays)
-        : firstColumn(std::max(0, overlap.column[j] - 1)),
-          endColumn(std::min(rays.columns(), overlap.column[j] + kBrickEdge)),
-          firstRow(std::max(0, overlap.row[j] - 1)),
-          endRow(std::min(rays.rows(), overlap.row[j] + kBrickEdge)) {}
-};
-
-/// Local furnace of the rays that slice j of a brick meets, before the slice: 1 for those that come from outside.
-HWY_INLINE void renewFurnace(const ExchangeStep& step, const MetRays& met, int slice, TileRays& rays) {
-    for (int row = met.firstRow; row < met.endRow; ++row)
-        for (int u = met.firstColumn; u < met.endColumn; ++u)
-            if (rays.sliceRow(row)[u] < float(slice - kSurfaceGap)) rays.furnaceRow(row)[u] = step.furnaceRay;
-}
-
-/// What slice j of a brick takes of the local furnace. `change` adds up what rays lose, and how much more of each is
-/// inside a solid than leaves one.
-HWY_INLINE void furnaceSlice(const RayFront& front, const Overlap& overlap, int j, const Stencil& stencil,
-                             const float* opacity, const float* solid, float* furnaceIn, TileRays& rays,
-                             TileRays& change) {
-    for (int r = 0; r < kBrickEdge; ++r)
-        for (int dv = 0; dv < 2; ++dv) {
-            const int row = overlap.row[j] + r - dv;
-            if (row < 0 || row >= rays.rows()) continue;
-            const int at = overlap.slice[j] * front.axis.sliceStride + r * front.axis.rowStride;
-            for (int du = 0; du < 2; ++du)
-                for (int lane = 0; lane < kBrickEdge; ++lane) {
-                    const int u = overlap.column[j] - du + lane;
-                    if (u < 0 || u >= rays.columns()) continue;
-                    const float weight = stencil.weight[dv][du];
-                    const float in = solid[at + lane] > 0 ? weight * opacity[at + lane] * rays.furnaceRow(row)[u] : 0;
-                    furnaceIn[at + lane] += in;
-                    change.furnaceRow(row)[u] += in;
-                    change.sliceRow(row)[u] += weight * solid[at + lane];
-                }
-        }
-}
-
-/// Takes what solids took off the local furnace of the rays that slice j of a brick meets.
-HWY_INLINE void applyFurnace(const MetRays& met, int slice, TileRays& rays, TileRays& change) {
-    for (int row = met.firstRow; row < met.endRow; ++row)
-        for (int u = met.firstColumn; u < met.endColumn; ++u) {
-            float &taken = change.furnaceRow(row)[u], &inside = change.sliceRow(row)[u];
-            rays.furnaceRow(row)[u] = std::max(0.0f, rays.furnaceRow(row)[u] - taken);
-            if (inside != 0) rays.sliceRow(row)[u] = inside > 0 ? float(slice) : kLongAgo;
-            taken = inside = 0;
-        }
-}
-
-/// Applies and clears the changes of the rays that slice j of a brick has met.
-HWY_INLINE void applyChange(const MetRays& met, int channels, TileRays& rays, TileRays& change) {
-    for (int c = 0; c < channels; ++c)
-        for (int row = met.firstRow; row < met.endRow; ++row) {
-            float* const ray = rays.row(row) + std::size_t(c) * rays.planeStride();
-            float* const delta = change.row(row) + std::size_t(c) * rays.planeStride();
-            for (int u = met.firstColumn; u < met.endColumn; ++u) {
+                float* const power = beam.power + c * beam.planeStride + beam.rowStart[r] + lane;
+                const Vec e = hn::LoadU(kLanes, power);
                 // Weights that sum to 1 but for rounding can leave a dark ray at -1e-8 of what it carried.
-                ray[u] = std::max(0.0f, ray[u] + delta[u]);
-                delta[u] = 0;
+                Vec after = hn::Add(hn::NegMulAdd(e, opacity, e), at(slice.out[c]));
+                after = hn::Max(after, hn::Zero(kLanes));
+                Vec before = e;
+                if (kClipped) {
+                    const auto lanes = clip.lanes(lane);
+                    before = hn::IfThenElseZero(lanes, before);
+                    after = hn::IfThenElse(lanes, after, e);
+                }
+                hn::Store(before, kLanes, to);
+                hn::StoreU(after, kLanes, power);
             }
         }
 }
 
-/// Takes the local furnace through slice j of the bricks of a layer.
-template <int kChannels>
-void furnaceThroughSlice(const RayFront& front, const std::vector<Overlap>& overlaps,
-                         std::vector<LinearBrick<kChannels>>& bricks, int j, const ExchangeStep& step, int slice,
-                         TileRays& rays, TileRays& change) {
-    const Stencil stencil(front, slice);
-    const auto forEach = [&](const auto& visit) {
-        for (std::size_t i = 0; i < overlaps.size(); ++i)
-            if (bricks[i].furnace) visit(MetRays(overlaps[i], j, rays), i);
-    };
-    forEach([&](const MetRays& met, std::size_t) { renewFurnace(step, met, slice, rays); });
-    forEach([&](const MetRays&, std::size_t i) {
-        furnaceSlice(front, overlaps[i], j, stencil, bricks[i].opacity, bricks[i].solid, bricks[i].furnaceIn, rays,
-                     change);
-    });
-    forEach([&](const MetRays& met, std::size_t) { applyFurnace(met, slice, rays, change); });
+/// The same for the local furnace.
+template <int kChannels, bool kClipped>
+HWY_INLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay, int k,
+                            LinearSlice<kChannels>& slice) {
+    const Vec zero = hn::Zero(kLanes);
+    for (int r = firstRay; r < kBrickEdge; ++r)
+        for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+            float* const to = slice.furnace[r + 1] + slice.kLeft + lane;
+            if (kClipped && clip.missesRow(r)) {
+                hn::Store(zero, kLanes, to);
+                continue;
+            }
+            const auto at = [&](const auto& field) {
+                return Stencil::mix(stencil.row, stencil.acrossColumns(field[r] + lane),
+                                    stencil.acrossColumns(field[r + 1] + lane));
+            };
+            const std::ptrdiff_t ray = beam.rowStart[r] + lane;
+            const Vec f = hn::LoadU(kLanes, beam.furnace + ray), last = hn::LoadU(kLanes, beam.lastSlice + ray);
+            const auto close = hn::Ge(last, hn::Set(kLanes, float(k - kSurfaceGap)));
+            Vec before = hn::IfThenElse(close, f, hn::Set(kLanes, beam.beam->furnaceRay));
+            Vec after = hn::Max(zero, hn::NegMulAdd(before, at(slice.taken), before));
+            const Vec inside = at(slice.solid);
+            Vec lastNow = hn::IfThenElse(hn::Lt(inside, zero), hn::Set(kLanes, kLongAgo), last);
+            lastNow = hn::IfThenElse(hn::Gt(inside, zero), hn::Set(kLanes, float(k)), lastNow);
+            if (kClipped) {
+                const auto lanes = clip.lanes(lane);
+                before = hn::IfThenElseZero(lanes, before);
+                after = hn::IfThenElse(lanes, after, f);
+                lastNow = hn::IfThenElse(lanes, lastNow, last);
+            }
+            hn::Store(before, kLanes, to);
+            hn::StoreU(after, kLanes, beam.furnace + ray);
+            hn::StoreU(lastNow, kLanes, beam.lastSlice + ray);
+        }
+}
+
+/// Adds what the voxels of slice `j` take of the rays around them.
+template <class Opacity, class Rays>
+HWY_INLINE void takeFromRays(const Stencil& stencil, const Opacity& opacity, const Rays& rays, int left, int rows,
+                             int width, float (*in)[kWidth]) {
+    for (int lane = 0; lane < width; lane += int(hn::Lanes(kLanes))) {
+        Vec before = stencil.fromColumns(rays[0] + left + lane);
+        for (int r = 0; r < rows; ++r) {
+            const Vec here = stencil.fromColumns(rays[r + 1] + left + lane);
+            const Vec met = Stencil::mix(stencil.row, here, before);
+            const Vec sum = hn::MulAdd(hn::Load(kLanes, opacity[r] + lane), met, hn::Load(kLanes, in[r] + lane));
+            hn::Store(sum, kLanes, in[r] + lane);
+            before = here;
+        }
+    }
+}
+
+template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
+void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+                    LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
+    const RayFront& front = swept.beams[0].front;
+    std::memset(&slice, 0, sizeof slice);
+    for (int j = 0; j < kBrickEdge; ++j) {
+        const int k = visit.step + j, at = front.ascending ? j : kBrickEdge - 1 - j;
+        const Clip clip = kClipped ? clipToLattice(front, swept.rays[0], visit, k) : Clip();
+        if (kClipped && clip.empty()) continue;
+        for (std::size_t b = 0; b < swept.count(); ++b) {
+            const Beam& beam = swept.beams[b];
+            const BeamSlice rays = beamSlice(beam, swept.rays[b], visit, k, kSurfaces && brick.furnace);
+            const Stencil stencil(beam.front, k);
+            findTerms<kModel, kChannels, kThinOnly, kSurfaces>(step, beam, brick, at, slice);
+            stepRays<kChannels, kClipped>(rays, clip, stencil, brick.firstRay, slice);
+            for (int c = 0; c < kChannels; ++c)
+                takeFromRays(stencil, slice.opacity, slice.rays[c], slice.kLeft, brick.rows, brick.width,
+                             brick.in[c].value[at]);
+            if (!kSurfaces || !brick.furnace) continue;
+            stepFurnace<kChannels, kClipped>(rays, clip, stencil, brick.firstRay, k, slice);
+            takeFromRays(stencil, slice.taken, slice.furnace, slice.kLeft, brick.rows, brick.width,
+                         brick.furnaceIn.value[at]);
+        }
+    }
+}
+
+template <ExchangeModel kModel, int kChannels, bool kClipped>
+void exchangeVisit(const SweptBeams& swept, const BrickVisit& visit, const ExchangeFields& fields,
+                   const ExchangeStep& step, float mostScale, LinearBrick<kChannels>& brick,
+                   LinearSlice<kChannels>& slice) {
+    const SweepAxis& axis = swept.beams[0].front.axis;
+    const Quartet quartet(visit);
+    fill<kModel>(axis, quartet, fields, step, brick);
+    if (brick.surfaces)
+        exchangeSlices<kModel, kChannels, false, true, kClipped>(swept, visit, step, brick, slice);
+    else if (brick.thickest * mostScale <= kThin)
+        exchangeSlices<kModel, kChannels, true, false, kClipped>(swept, visit, step, brick, slice);
+    else
+        exchangeSlices<kModel, kChannels, false, false, kClipped>(swept, visit, step, brick, slice);
+    for (const Quartet::Part& part : quartet.parts) {
+        if (part.brick == kNoBrick) continue;
+        for (int c = 0; c < kChannels; ++c) addTo(axis, part, brick.in[c], fields.fresh[c].brick(part.brick));
+        if (brick.furnace && fields.surfaces->normals(part.brick))
+            addTo(axis, part, brick.furnaceIn, fields.furnace.brick(fields.surfaces->slots[part.brick]));
+    }
 }
 
 template <ExchangeModel kModel, int kChannels>
-void linearTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                TileSums& sums) {
-    const bool furnace = fields.furnace.data != nullptr;
-    TileRays rays(tile, kChannels, furnace), change(tile, kChannels, furnace);
-    rays.enter(front, tile, fields, step, sums);
-    std::vector<LinearBrick<kChannels>> bricks;
-    std::vector<Overlap> overlaps;
-    for (const BrickVisit* layer = tile.begin; layer != tile.end;) {
-        const BrickVisit* end = layer;
-        while (end != tile.end && end->step == layer->step) ++end;
-        const std::size_t count = std::size_t(end - layer);
-        bricks.resize(std::max(bricks.size(), count));
-        overlaps.clear();
-        for (std::size_t i = 0; i < count; ++i) {
-            overlaps.emplace_back(front, tile, layer[i]);
-            prepareLinear<kModel, kChannels>(front, fields, step, layer[i].brick, bricks[i]);
-        }
-        for (int j = 0; j < kBrickEdge; ++j) {
-            const Stencil stencil(front, layer->step + j);
-            for (std::size_t i = 0; i < count; ++i)
-                if (!overlaps[i].missesColumns(j, rays.columns(), 1))
-                    linearSlice<kChannels>(front, overlaps[i], j, stencil, bricks[i], rays, change);
-            for (std::size_t i = 0; i < count; ++i) applyChange(MetRays(overlaps[i], j, rays), kChannels, rays, change);
-            if (furnace)
-                furnaceThroughSlice<kChannels>(front, overlaps, bricks, j, step, layer->step + j, rays, change);
-        }
-        for (std::size_t i = 0; i < count; ++i) finishLinear<kChannels>(front, fields, layer[i].brick, bricks[i]);
-        layer = end;
-    }
-    rays.leave(front, tile, fields, sums);
+void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                    const ExchangeStep& step) {
+    LinearBrick<kChannels> brick;
+    LinearSlice<kChannels> slice;
+    const float mostScale = mostStepScale(swept);
+    const bool clipped = isClipped(swept);
+    for (const BrickVisit& visit : visits)
+        clipped ? exchangeVisit<kModel, kChannels, true>(swept, visit, fields, step, mostScale, brick, slice)
+                : exchangeVisit<kModel, kChannels, false>(swept, visit, fields, step, mostScale, brick, slice);
 }
 
 template <ExchangeModel kModel>
-void linearChannels(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                    TileSums& sums) {
-    fields.channels == 1 ? linearTile<kModel, 1>(front, tile, fields, step, sums)
-                         : linearTile<kModel, 3>(front, tile, fields, step, sums);
+void linearChannels(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                    const ExchangeStep& step) {
+    fields.channels == 1 ? exchangeVisits<kModel, 1>(swept, visits, fields, step)
+                         : exchangeVisits<kModel, 3>(swept, visits, fields, step);
 }
 
 }  // namespace
 
-void linearDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields,
-                      const ExchangeStep& step, TileSums& sums) {
-    step.model == ExchangeModel::paper ? linearChannels<ExchangeModel::paper>(front, tile, fields, step, sums)
-                                       : linearChannels<ExchangeModel::consistent>(front, tile, fields, step, sums);
+void linearDispatched(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                      const ExchangeStep& step) {
+    step.model == ExchangeModel::paper ? linearChannels<ExchangeModel::paper>(swept, visits, fields, step)
+                                       : linearChannels<ExchangeModel::consistent>(swept, visits, fields, step);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -263,9 +371,9 @@ namespace raysweep {
 
 HWY_EXPORT(linearDispatched);
 
-void exchangeLinear(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                    TileSums& sums) {
-    HWY_DYNAMIC_DISPATCH(linearDispatched)(front, tile, fields, step, sums);
+void exchangeLinear(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                    const ExchangeStep& step) {
+    HWY_DYNAMIC_DISPATCH(linearDispatched)(beams, visits, fields, step);
 }
 
 }  // namespace raysweep

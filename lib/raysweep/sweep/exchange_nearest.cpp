@@ -1,7 +1,6 @@
-// `nearest`: a voxel meets one ray. Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections of
-// docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
+// `nearest`: a voxel meets one ray of each beam. Dachille, Mueller and Kaufman 2000, Algorithm 1, with the corrections
+// of docs/illumination.md. Compiled once per instruction set; the best one that the machine has is chosen at run time.
 #include "raysweep/sweep/exchange.h"
-#include "raysweep/sweep/tile_rays.h"
 
 #include <hwy/cache_control.h>
 
@@ -13,6 +12,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "raysweep/sweep/beam_slice-inl.h"
 #include "raysweep/sweep/exchange_terms-inl.h"
 #include "raysweep/sweep/transpose-inl.h"
 
@@ -28,175 +28,158 @@ HWY_INLINE void requireNonNegative(Vec value) {
     HWY_DASSERT(hn::AllTrue(kLanes, hn::Ge(value, hn::Zero(kLanes))));
 }
 
-/// Pointers to the 512 values of one brick, in the order of the sweep.
-struct BrickRows {
+/// The 512 values of one brick in each field.
+template <int kChannels>
+struct Brick {
     const float* tau;
-    const float* albedo[kMaxChannels];
-    const float* source[kMaxChannels];
-    float* unshot[kMaxChannels];
-    float* deposit[kMaxChannels];
+    const float* albedo[kChannels];
+    const float* source[kChannels];
+    float* unshot[kChannels];
+    float* deposit[kChannels];
     const PackedNormal* normals;  ///< null: no surfaces
     float* furnace;               ///< null: not measured
-};
 
-/// A row of rays, and what goes with it.
-struct RayRow {
-    float* HWY_RESTRICT power;  ///< of the first channel; the next are `stride` on
-    std::size_t stride;
-    float* HWY_RESTRICT furnace;  ///< f; null if not measured
-    float* HWY_RESTRICT slice;    ///< in which they were in a solid last
-    int begin, end;               ///< lanes that take part, where the row is clipped
-};
-
-/// Lanes [begin, end) of a row.
-HWY_INLINE Mask lanesBetween(int lane, int begin, int end) {
-    const Vec index = hn::Iota(kLanes, float(lane));
-    return hn::And(hn::Ge(index, hn::Set(kLanes, float(begin))), hn::Lt(index, hn::Set(kLanes, float(end))));
-}
-
-/// Nothing there that could change a ray or be changed by one. In sparse volumes many rows of a brick are like this.
-template <int kChannels>
-HWY_INLINE bool isEmpty(const BrickRows& brick, int at, Vec tau) {
-    Vec any = tau;
-    for (int c = 0; c < kChannels; ++c)
-        any = hn::Or(any, hn::Or(hn::Load(kLanes, brick.unshot[c] + at), hn::Load(kLanes, brick.source[c] + at)));
-    return hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)));
-}
-
-/// Stores lanes [begin, end) of a row, or all if not clipped. The other lanes may be another tile's: they stay
-/// untouched, and what was loaded from them is masked, whatever it was.
-template <bool kClipped>
-HWY_INLINE void storeOwn(Vec value, float* to, int lane, int begin, int end) {
-    if (!kClipped) return hn::Store(value, kLanes, to + lane);
-    HWY_ALIGN float values[kBrickEdge];
-    const int count = int(hn::Lanes(kLanes));
-    hn::Store(value, kLanes, values);
-    for (int i = std::max(lane, begin); i < std::min(lane + count, end); ++i) to[i] = values[i - lane];
-}
-
-/// Local furnace of eight rays.
-template <bool kClipped>
-HWY_INLINE void exchangeFurnace(const ExchangeStep& step, Vec opacity, const RowSolids& solids, float* furnace,
-                                const RayRow& rays, int lane, int slice) {
-    const Vec last = hn::LoadU(kLanes, rays.slice + lane), now = hn::Set(kLanes, float(slice));
-    const Mask close = hn::Ge(last, hn::Set(kLanes, float(slice - kSurfaceGap)));
-    const Vec f = hn::IfThenElse(close, hn::LoadU(kLanes, rays.furnace + lane), hn::Set(kLanes, step.furnaceRay));
-    const Vec in = hn::IfThenElseZero(solids.inside, hn::Mul(f, opacity));
-    const Vec lastNow = hn::IfThenElse(solids.leaving, hn::Set(kLanes, kLongAgo), last);
-    hn::StoreU(hn::Sub(f, in), kLanes, rays.furnace + lane);
-    hn::StoreU(hn::IfThenElse(solids.inside, now, lastNow), kLanes, rays.slice + lane);
-    storeOwn<kClipped>(hn::Add(hn::Load(kLanes, furnace + lane), in), furnace, lane, rays.begin, rays.end);
-}
-
-/// Eight voxels of a slice and the eight rays at them. With kClipped only lanes [begin, end) take part.
-template <ExchangeModel kModel, int kChannels, bool kClipped, bool kSurfaces>
-HWY_INLINE void exchangeRow(const ExchangeStep& step, const BrickRows& brick, int at, const RayRow& rays, int slice) {
-    for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-        const Vec tau = hn::Load(kLanes, brick.tau + at + lane);
-        if (isEmpty<kChannels>(brick, at + lane, tau)) continue;
-        RowTerms terms = rowTerms<kModel>(step, tau);
-        RowSolids solids;
-        if (kSurfaces) solids = applySurfaces<kModel>(step, brick.normals + at + lane, tau, terms);
-        if (kClipped) {
-            const Mask taking = lanesBetween(lane, rays.begin, rays.end);
-            terms.opacity = hn::IfThenElseZero(taking, terms.opacity);
-            terms.shot = hn::IfThenElseZero(taking, terms.shot);
-        }
-        if (kSurfaces && rays.furnace)
-            exchangeFurnace<kClipped>(step, terms.opacity, solids, brick.furnace + at, rays, lane, slice);
+    Brick(const ExchangeFields& fields, std::size_t b) : tau(fields.tau.brick(b)) {
         for (int c = 0; c < kChannels; ++c) {
-            float* const unshot = brick.unshot[c] + at;
-            float* const deposit = brick.deposit[c] + at;
-            float* const ray = rays.power + std::size_t(c) * rays.stride + lane;
-            const Vec e = hn::LoadU(kLanes, ray);
-            const Vec U = hn::Load(kLanes, unshot + lane);
-            const Vec added = hn::Load(kLanes, brick.source[c] + at + lane);
-            const Vec g = effectiveAlbedo(terms, hn::Load(kLanes, brick.albedo[c] + at + lane));
-            const Vec in = hn::Mul(e, terms.opacity);
-            const Vec out = hn::Mul(U, terms.shot);
-            const Vec newRay = hn::Add(hn::Sub(e, in), out);
-            const Vec newUnshot = hn::MulAdd(g, in, hn::Add(hn::Sub(U, out), added));
-            requireNonNegative(newRay);
-            requireNonNegative(newUnshot);
-            storeOwn<kClipped>(newUnshot, unshot, lane, rays.begin, rays.end);
-            storeOwn<kClipped>(hn::Add(hn::Load(kLanes, deposit + lane), in), deposit, lane, rays.begin, rays.end);
-            hn::StoreU(newRay, kLanes, ray);
+            albedo[c] = fields.albedo[c].brick(b);
+            source[c] = fields.source[c].brick(b);
+            unshot[c] = fields.unshot[c].brick(b);
+            deposit[c] = fields.deposit[c].brick(b);
         }
+        normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
+        furnace = normals && fields.furnace.data ? fields.furnace.brick(fields.surfaces->slots[b]) : nullptr;
     }
-}
+};
 
-/// Copies of a brick's fields, transposed so that a z-slice has its rows (of y) contiguous.
+/// What a brick exchanges with all beams. The first half is read in the order of slices, and so is the second written.
 template <int kChannels>
-struct TransposedBrick {
-    HWY_ALIGN float tau[kBrickVoxels];
-    HWY_ALIGN float albedo[kChannels][kBrickVoxels];
-    HWY_ALIGN float source[kChannels][kBrickVoxels];
+struct Exchanged {
+    HWY_ALIGN float inverseEscape[kBrickVoxels];
+    HWY_ALIGN float tau[kBrickVoxels];  ///< this and the next two only where the brick has to be turned
     HWY_ALIGN float unshot[kChannels][kBrickVoxels];
-    HWY_ALIGN float deposit[kChannels][kBrickVoxels];
     HWY_ALIGN PackedNormal normals[kBrickVoxels];
+
+    HWY_ALIGN float in[kChannels][kBrickVoxels];
+    HWY_ALIGN float out[kChannels][kBrickVoxels];
     HWY_ALIGN float furnace[kBrickVoxels];
-
-    BrickRows load(const BrickRows& from, bool uniformAlbedo, bool uniformSource, int first, int last) {
-        BrickRows rows = from;
-        transposePlanes(from.tau, tau, first, last);
-        rows.tau = tau;
-        for (int c = 0; c < kChannels; ++c) {
-            // One brick shared by all holds one value: it is its own transpose.
-            if (!uniformAlbedo) {
-                transposePlanes(from.albedo[c], albedo[c], first, last);
-                rows.albedo[c] = albedo[c];
-            }
-            if (!uniformSource) {
-                transposePlanes(from.source[c], source[c], first, last);
-                rows.source[c] = source[c];
-            }
-            transposePlanes(from.unshot[c], unshot[c], first, last);
-            transposePlanes(from.deposit[c], deposit[c], first, last);
-            rows.unshot[c] = unshot[c];
-            rows.deposit[c] = deposit[c];
-        }
-        if (from.normals) {
-            transposePlanes(from.normals, normals, first, last);
-            rows.normals = normals;
-        }
-        if (from.furnace) {
-            transposePlanes(from.furnace, furnace, first, last);
-            rows.furnace = furnace;
-        }
-        return rows;
-    }
-
-    /// Gives back what the tile's rays have met; the rest of the brick may be another tile's.
-    void store(const BrickRows& to, const Overlap& overlap, int columns, int rows) const {
-        for (int r = overlap.firstRow; r <= overlap.lastRow; ++r) {
-            const bool whole = overlap.meetsWholeRow(r, rows);
-            const auto storeRow = [&](const float* from, float* into) {
-                if (whole)
-                    transposePlane(from + 64 * r, into + 64 * r);
-                else
-                    storePart(from + 64 * r, into + 64 * r, overlap, r, columns, rows);
-            };
-            for (int c = 0; c < kChannels; ++c) {
-                storeRow(unshot[c], to.unshot[c]);
-                storeRow(deposit[c], to.deposit[c]);
-            }
-            if (to.furnace) storeRow(furnace, to.furnace);
-        }
-    }
-
-    static void storePart(const float* plane, float* to, const Overlap& overlap, int r, int columns, int rows) {
-        for (int j = 0; j < kBrickEdge; ++j) {
-            if (overlap.row[j] + r < 0 || overlap.row[j] + r >= rows) continue;
-            const int slice = overlap.slice[j], end = std::min(kBrickEdge, columns - overlap.column[j]);
-            for (int lane = std::max(0, -overlap.column[j]); lane < end; ++lane)
-                to[8 * lane + slice] = plane[8 * slice + lane];
-        }
-    }
+    HWY_ALIGN float met[kBrickVoxels];  ///< rays met, where that is not one of each beam
 };
+
+/// The order of slices within a brick.
+template <int kChannels>
+struct SliceView {
+    const float* tau;
+    const float* unshot[kChannels];
+    const PackedNormal* normals;
+};
+
+template <class T>
+HWY_INLINE void turn(T* values) {
+    HWY_ALIGN T turned[kBrickVoxels];
+    transposePlanes(values, turned, 0, kBrickEdge - 1);
+    std::copy_n(turned, kBrickVoxels, values);
+}
+
+/// Finds 1 / p. @return the largest tau
+template <ExchangeModel kModel>
+HWY_INLINE float findEscape(const ExchangeStep& step, const float* from, float* inverse) {
+    Vec most = hn::Zero(kLanes);
+    for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
+        const Vec tau = hn::Load(kLanes, from + i);
+        most = hn::Max(most, tau);
+        hn::Store(inverseEscape<kModel>(step, tau), kLanes, inverse + i);
+    }
+    return hn::GetLane(hn::MaxOfLanes(kLanes, most));
+}
+
+/// Turns what slices read, if they do not lie in the brick as they should.
+template <int kChannels>
+HWY_INLINE SliceView<kChannels> viewSlices(const SweepAxis& axis, const Brick<kChannels>& brick,
+                                           Exchanged<kChannels>& to) {
+    SliceView<kChannels> view{brick.tau, {}, brick.normals};
+    for (int c = 0; c < kChannels; ++c) view.unshot[c] = brick.unshot[c];
+    if (!axis.transposed) return view;
+    constexpr int kLast = kBrickEdge - 1;
+    turn(to.inverseEscape);
+    transposePlanes(brick.tau, to.tau, 0, kLast);
+    view.tau = to.tau;
+    for (int c = 0; c < kChannels; ++c) {
+        transposePlanes(brick.unshot[c], to.unshot[c], 0, kLast);
+        view.unshot[c] = to.unshot[c];
+    }
+    if (brick.normals) transposePlanes(brick.normals, to.normals, 0, kLast);
+    view.normals = brick.normals ? to.normals : nullptr;
+    return view;
+}
+
+/// Local furnace of eight rays. @return what the voxels take
+HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const RowSolids& solids, float* f, float* lastSlice,
+                               int slice) {
+    const Vec last = hn::LoadU(kLanes, lastSlice), now = hn::Set(kLanes, float(slice));
+    const Mask close = hn::Ge(last, hn::Set(kLanes, float(slice - kSurfaceGap)));
+    const Vec ray = hn::IfThenElse(close, hn::LoadU(kLanes, f), hn::Set(kLanes, furnaceRay));
+    const Vec in = hn::IfThenElseZero(solids.inside, hn::Mul(ray, opacity));
+    const Vec lastNow = hn::IfThenElse(solids.leaving, hn::Set(kLanes, kLongAgo), last);
+    hn::StoreU(hn::Sub(ray, in), kLanes, f);
+    hn::StoreU(hn::IfThenElse(solids.inside, now, lastNow), kLanes, lastSlice);
+    return in;
+}
+
+/// Eight voxels of a slice and the rays of all beams at them. `lanes` take part, if clipped.
+template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
+HWY_INLINE void exchangeRow(const ExchangeStep& step, const SliceView<kChannels>& view, const BeamSlice* beams,
+                            int count, int row, int lane, int at, int slice, Mask lanes,
+                            Exchanged<kChannels>& exchanged) {
+    const Vec tau = hn::Load(kLanes, view.tau + at);
+    Vec U[kChannels], in[kChannels], out[kChannels];
+    Vec any = tau;
+    for (int c = 0; c < kChannels; ++c) {
+        U[c] = hn::Load(kLanes, view.unshot[c] + at);
+        any = hn::Or(any, U[c]);
+        in[c] = out[c] = hn::Zero(kLanes);
+    }
+    Vec furnace = hn::Zero(kLanes);
+    // In sparse volumes many rows are empty: nothing there that could change a ray or be changed by one.
+    if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
+        const Vec shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, step.zeta));
+        RowSurfaces surfaces;
+        if (kSurfaces) surfaces = rowSurfaces(step, view.normals + at, tau);
+        for (int k = 0; k < count; ++k) {
+            const BeamSlice& beam = beams[k];
+            RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.beam->stepScale, tau, shotPart);
+            RowSolids solids;
+            if (kSurfaces) solids = applySurfaces<kModel>(step, beam.beam->front.direction, surfaces, terms);
+            if (kClipped) {
+                terms.opacity = hn::IfThenElseZero(lanes, terms.opacity);
+                terms.shot = hn::IfThenElseZero(lanes, terms.shot);
+            }
+            const std::ptrdiff_t ray = beam.rowStart[row] + lane;
+            if (kSurfaces && beam.furnace)
+                furnace = hn::Add(furnace, exchangeFurnace(beam.beam->furnaceRay, terms.opacity, solids,
+                                                           beam.furnace + ray, beam.lastSlice + ray, slice));
+            for (int c = 0; c < kChannels; ++c) {
+                float* const power = beam.power + c * beam.planeStride + ray;
+                const Vec e = hn::LoadU(kLanes, power);
+                const Vec taken = hn::Mul(e, terms.opacity), given = hn::Mul(U[c], terms.shot);
+                const Vec after = hn::Add(hn::Sub(e, taken), given);
+                requireNonNegative(after);
+                hn::StoreU(after, kLanes, power);
+                in[c] = hn::Add(in[c], taken);
+                out[c] = hn::Add(out[c], given);
+            }
+        }
+    }
+    for (int c = 0; c < kChannels; ++c) {
+        hn::Store(in[c], kLanes, exchanged.in[c] + at);
+        hn::Store(out[c], kLanes, exchanged.out[c] + at);
+    }
+    if (kSurfaces) hn::Store(furnace, kLanes, exchanged.furnace + at);
+    if (kClipped) hn::Store(hn::IfThenElseZero(lanes, hn::Set(kLanes, 1.0f)), kLanes, exchanged.met + at);
+}
 
 /// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
 template <int kChannels>
-HWY_INLINE void prefetchEighth(const BrickRows& now, const BrickRows& next, int j) {
+HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannels>& next, int j) {
     constexpr int kEighth = kBrickVoxels / kBrickEdge, kLine = 16;
     for (int i = j * kEighth; i < (j + 1) * kEighth; i += kLine) {
         hwy::Prefetch(next.tau + i);
@@ -208,88 +191,118 @@ HWY_INLINE void prefetchEighth(const BrickRows& now, const BrickRows& next, int 
     }
 }
 
-template <ExchangeModel kModel, int kChannels, bool kSurfaces>
-HWY_INLINE void exchangeBrick(const RayFront& front, const Overlap& overlap, int firstStep, const ExchangeStep& step,
-                              const BrickRows& brick, const BrickRows& next, TileRays& rays) {
-    const int columns = rays.columns();
+/// The rays of all beams go through the eight slices of a brick.
+template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
+void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+                    const SliceView<kChannels>& view, const Brick<kChannels>& brick, const Brick<kChannels>& next,
+                    Exchanged<kChannels>& exchanged) {
+    const RayFront& front = swept.beams[0].front;
+    const int count = int(swept.count());
+    BeamSlice beams[kMostBeams];
     for (int j = 0; j < kBrickEdge; ++j) {
-        prefetchEighth<kChannels>(brick, next, j);
-        if (overlap.missesColumns(j, columns, 0)) continue;
-        const int column = overlap.column[j], row = overlap.row[j];
-        const int first = std::max(0, -row), last = std::min(kBrickEdge, rays.rows() - row) - 1;
-        int at = overlap.slice[j] * front.axis.sliceStride + first * front.axis.rowStride;
-        for (int r = first; r <= last; ++r, at += front.axis.rowStride) {
-            RayRow row8{rays.row(row + r) + column, rays.planeStride(), nullptr, nullptr, -column, columns - column};
-            if (kSurfaces && brick.furnace) {
-                row8.furnace = rays.furnaceRow(row + r) + column;
-                row8.slice = rays.sliceRow(row + r) + column;
+        prefetchEighth(brick, next, j);
+        const int k = visit.step + j;
+        for (int b = 0; b < count; ++b)
+            beams[b] = beamSlice(swept.beams[std::size_t(b)], swept.rays[std::size_t(b)], visit, k, brick.furnace);
+        const Clip clip = kClipped ? clipToLattice(front, swept.rays[0], visit, k) : Clip();
+        const int slice = front.ascending ? j : kBrickEdge - 1 - j;
+        int at = slice * front.axis.sliceStride;
+        for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
+            for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+                if (kClipped && (clip.missesRow(row) || clip.empty())) {
+                    for (int c = 0; c < kChannels; ++c) {
+                        hn::Store(hn::Zero(kLanes), kLanes, exchanged.in[c] + at + lane);
+                        hn::Store(hn::Zero(kLanes), kLanes, exchanged.out[c] + at + lane);
+                    }
+                    hn::Store(hn::Zero(kLanes), kLanes, exchanged.furnace + at + lane);
+                    hn::Store(hn::Zero(kLanes), kLanes, exchanged.met + at + lane);
+                    continue;
+                }
+                exchangeRow<kModel, kChannels, kThinOnly, kSurfaces, kClipped>(step, view, beams, count, row, lane,
+                                                                               at + lane, k, clip.lanes(lane), exchanged);
             }
-            if (overlap.clipped)
-                exchangeRow<kModel, kChannels, true, kSurfaces>(step, brick, at, row8, firstStep + j);
-            else
-                exchangeRow<kModel, kChannels, false, kSurfaces>(step, brick, at, row8, firstStep + j);
+    }
+}
+
+/// Brings U and D up to date: D += in, U += g in - out + source for each ray met.
+template <int kChannels, bool kClipped>
+HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, const Exchanged<kChannels>& exchanged) {
+    const Vec zero = hn::Zero(kLanes);
+    for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
+        const Vec met = kClipped ? hn::Load(kLanes, exchanged.met + i) : hn::Set(kLanes, float(beams));
+        if (brick.furnace) {
+            const Vec taken = hn::Load(kLanes, exchanged.furnace + i);
+            hn::Store(hn::Add(hn::Load(kLanes, brick.furnace + i), taken), kLanes, brick.furnace + i);
+        }
+        for (int c = 0; c < kChannels; ++c) {
+            const Vec in = hn::Load(kLanes, exchanged.in[c] + i), out = hn::Load(kLanes, exchanged.out[c] + i);
+            const Vec source = hn::Load(kLanes, brick.source[c] + i);
+            if (hn::AllTrue(kLanes, hn::Eq(hn::Or(hn::Or(in, out), source), zero))) continue;
+            Vec inverse = hn::Load(kLanes, exchanged.inverseEscape + i);
+            if (brick.normals) inverse = withoutEscape(brick.normals + i, inverse);
+            const Vec g = effectiveAlbedo(inverse, hn::Load(kLanes, brick.albedo[c] + i));
+            const Vec left = hn::Sub(hn::Load(kLanes, brick.unshot[c] + i), out);
+            requireNonNegative(left);
+            hn::Store(hn::MulAdd(source, met, hn::MulAdd(g, in, left)), kLanes, brick.unshot[c] + i);
+            hn::Store(hn::Add(hn::Load(kLanes, brick.deposit[c] + i), in), kLanes, brick.deposit[c] + i);
         }
     }
 }
 
-template <int kChannels>
-HWY_INLINE BrickRows brickRows(const ExchangeFields& fields, std::size_t b) {
-    BrickRows rows{};
-    rows.tau = fields.tau.brick(b);
-    for (int c = 0; c < kChannels; ++c) {
-        rows.albedo[c] = fields.albedo[c].brick(b);
-        rows.source[c] = fields.source[c].brick(b);
-        rows.unshot[c] = fields.unshot[c].brick(b);
-        rows.deposit[c] = fields.deposit[c].brick(b);
+template <ExchangeModel kModel, int kChannels, bool kClipped>
+HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+                              float mostScale, const Brick<kChannels>& brick, const Brick<kChannels>& next,
+                              Exchanged<kChannels>& exchanged) {
+    const SweepAxis& axis = swept.beams[0].front.axis;
+    const float thickest = findEscape<kModel>(step, brick.tau, exchanged.inverseEscape);
+    const SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
+    if (brick.normals)
+        exchangeSlices<kModel, kChannels, false, true, kClipped>(swept, visit, step, view, brick, next, exchanged);
+    else if (thickest * mostScale <= kThin)
+        exchangeSlices<kModel, kChannels, true, false, kClipped>(swept, visit, step, view, brick, next, exchanged);
+    else
+        exchangeSlices<kModel, kChannels, false, false, kClipped>(swept, visit, step, view, brick, next, exchanged);
+    if (axis.transposed) {
+        turn(exchanged.inverseEscape);
+        for (int c = 0; c < kChannels; ++c) {
+            turn(exchanged.in[c]);
+            turn(exchanged.out[c]);
+        }
+        if (brick.furnace) turn(exchanged.furnace);
+        if (kClipped) turn(exchanged.met);
     }
-    rows.normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
-    if (rows.normals && fields.furnace.data) rows.furnace = fields.furnace.brick(fields.surfaces->slots[b]);
-    return rows;
+    bookExchange<kChannels, kClipped>(brick, int(swept.count()), exchanged);
 }
 
 template <ExchangeModel kModel, int kChannels>
-void nearestTile(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                 TileSums& sums) {
-    TileRays rays(tile, kChannels, fields.furnace.data != nullptr);
-    rays.enter(front, tile, fields, step, sums);
-    TransposedBrick<kChannels> transposed;
-    const auto exchangeAll = [&](const Overlap& overlap, int firstStep, const BrickRows& brick, const BrickRows& next) {
-        if (brick.normals)
-            exchangeBrick<kModel, kChannels, true>(front, overlap, firstStep, step, brick, next, rays);
+void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                    const ExchangeStep& step) {
+    Exchanged<kChannels> exchanged;
+    const float mostScale = mostStepScale(swept);
+    const bool clipped = isClipped(swept);
+    for (std::size_t i = 0; i < visits.size(); ++i) {
+        const Brick<kChannels> brick(fields, visits[i].brick);
+        const Brick<kChannels> next(fields, visits[std::min(i + 1, visits.size() - 1)].brick);
+        if (clipped)
+            exchangeBrick<kModel, kChannels, true>(swept, visits[i], step, mostScale, brick, next, exchanged);
         else
-            exchangeBrick<kModel, kChannels, false>(front, overlap, firstStep, step, brick, next, rays);
-    };
-    for (const BrickVisit* visit = tile.begin; visit != tile.end; ++visit) {
-        const Overlap overlap(front, tile, *visit);
-        if (overlap.lastRow < overlap.firstRow) continue;
-        const BrickRows brick = brickRows<kChannels>(fields, visit->brick);
-        const BrickRows next = brickRows<kChannels>(fields, (visit + 1 == tile.end ? visit : visit + 1)->brick);
-        if (!front.axis.transposed) {
-            exchangeAll(overlap, visit->step, brick, next);
-            continue;
-        }
-        const int first = overlap.firstRow, last = overlap.lastRow;
-        const BrickRows turned =
-            transposed.load(brick, fields.albedo[0].stride == 0, fields.source[0].stride == 0, first, last);
-        exchangeAll(overlap, visit->step, turned, next);
-        transposed.store(brick, overlap, rays.columns(), rays.rows());
+            exchangeBrick<kModel, kChannels, false>(swept, visits[i], step, mostScale, brick, next, exchanged);
     }
-    rays.leave(front, tile, fields, sums);
 }
 
 template <ExchangeModel kModel>
-void nearestChannels(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                     TileSums& sums) {
-    fields.channels == 1 ? nearestTile<kModel, 1>(front, tile, fields, step, sums)
-                         : nearestTile<kModel, 3>(front, tile, fields, step, sums);
+void nearestChannels(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                     const ExchangeStep& step) {
+    fields.channels == 1 ? exchangeVisits<kModel, 1>(beams, visits, fields, step)
+                         : exchangeVisits<kModel, 3>(beams, visits, fields, step);
 }
 
 }  // namespace
 
-void nearestDispatched(const RayFront& front, const RayTile& tile, const ExchangeFields& fields,
-                       const ExchangeStep& step, TileSums& sums) {
-    step.model == ExchangeModel::paper ? nearestChannels<ExchangeModel::paper>(front, tile, fields, step, sums)
-                                       : nearestChannels<ExchangeModel::consistent>(front, tile, fields, step, sums);
+void nearestDispatched(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                       const ExchangeStep& step) {
+    step.model == ExchangeModel::paper ? nearestChannels<ExchangeModel::paper>(beams, visits, fields, step)
+                                       : nearestChannels<ExchangeModel::consistent>(beams, visits, fields, step);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -301,9 +314,9 @@ namespace raysweep {
 
 HWY_EXPORT(nearestDispatched);
 
-void exchangeNearest(const RayFront& front, const RayTile& tile, const ExchangeFields& fields, const ExchangeStep& step,
-                     TileSums& sums) {
-    HWY_DYNAMIC_DISPATCH(nearestDispatched)(front, tile, fields, step, sums);
+void exchangeNearest(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
+                     const ExchangeStep& step) {
+    HWY_DYNAMIC_DISPATCH(nearestDispatched)(beams, visits, fields, step);
 }
 
 }  // namespace raysweep

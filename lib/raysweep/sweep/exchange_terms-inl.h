@@ -22,12 +22,10 @@ using Lanes = hn::CappedTag<float, kBrickEdge>;
 using Vec = hn::Vec<Lanes>;
 constexpr Lanes kLanes;
 
-/// What a row of voxels does to any ray that passes it along the sweep's direction.
+/// What a row of voxels does to rays of one direction.
 struct RowTerms {
-    Vec opacity;    ///< alpha
-    Vec shot;       ///< out / U
-    Vec numerator;  ///< of the escape probability
-    Vec denominator;
+    Vec opacity;  ///< alpha
+    Vec shot;     ///< out / U
 };
 
 /// 1 + c0 t + c1 t^2 + c2 t^3
@@ -71,23 +69,41 @@ HWY_INLINE Vec opacityOf(Vec x) {
     return hn::MulAdd(power, hn::Mul(series, r), hn::Sub(hn::Set(kLanes, 1.0f), power));
 }
 
+/// (1 - exp(-x)) / x for x in [0, kThin]: 1 + x h(x), with h interpolated at Chebyshev nodes, to 2.1e-7 of itself.
+constexpr float kThin = 1.5f;
+HWY_INLINE Vec thinOpacityOverDepth(Vec x) {
+    Vec series = hn::Set(kLanes, 1.15021859e-4f);
+    for (const float c : {-1.26198873e-3f, 8.23936973e-3f, -4.16344736e-2f, 1.66662579e-1f, -4.99999915e-1f, 1.0f})
+        series = hn::MulAdd(series, x, hn::Set(kLanes, c));
+    return series;
+}
+
+/// 1 / p, with p the escape probability.
 template <ExchangeModel kModel>
-HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, Vec tau) {
-    const Vec one = hn::Set(kLanes, 1.0f);
-    // An empty voxel takes nothing, but alpha / tau must not be 0 / 0: what is emitted in it leaves.
-    const Vec along = hn::Max(hn::Mul(tau, hn::Set(kLanes, step.stepScale)), hn::Set(kLanes, kThinnest));
-    const Vec opacity = hn::Min(opacityOf(along), one);
+HWY_INLINE Vec inverseEscape(const ExchangeStep& step, Vec tau) {
+    if (kModel == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
+    return hn::Mul(quartic(tau, step.escape.a), reciprocal(cubic(tau, step.escape.b)));
+}
+
+/// Terms of voxels without a surface. With `kThinOnly` tau `stepScale` is at most kThin, and a polynomial does.
+/// @param shotPart zeta / p
+template <ExchangeModel kModel, bool kThinOnly>
+HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, float stepScale, Vec tau, Vec shotPart) {
+    const Vec along = hn::Mul(tau, hn::Set(kLanes, stepScale));
     RowTerms terms;
-    terms.opacity = hn::IfThenElseZero(hn::Gt(tau, hn::Zero(kLanes)), opacity);
-    if (kModel == ExchangeModel::paper) {
-        terms.shot = hn::Set(kLanes, step.zeta);
-        terms.numerator = terms.denominator = one;
-        return terms;
+    Vec perDepth;  // opacity / along
+    if (kThinOnly) {
+        perDepth = thinOpacityOverDepth(along);
+        terms.opacity = hn::Mul(along, perDepth);
+    } else {
+        // An empty voxel takes nothing, but alpha / tau must not be 0 / 0: what is emitted in it leaves.
+        const Vec depth = hn::Max(along, hn::Set(kLanes, kThinnest));
+        const Vec opacity = hn::Min(opacityOf(depth), hn::Set(kLanes, 1.0f));
+        terms.opacity = hn::IfThenElseZero(hn::Gt(tau, hn::Zero(kLanes)), opacity);
+        perDepth = hn::Mul(opacity, reciprocal(depth));
     }
-    terms.numerator = cubic(tau, step.escape.b);
-    terms.denominator = quartic(tau, step.escape.a);
-    const Vec ratio = hn::Mul(hn::Mul(opacity, terms.denominator), reciprocal(hn::Mul(along, terms.numerator)));
-    terms.shot = hn::Min(hn::Mul(ratio, hn::Set(kLanes, step.zeta)), one);
+    terms.shot = kModel == ExchangeModel::paper ? shotPart : hn::Mul(shotPart, perDepth);
+    terms.shot = hn::Min(terms.shot, hn::Set(kLanes, step.mostShot));
     return terms;
 }
 
@@ -105,37 +121,54 @@ HWY_INLINE Vec normalComponent(hn::Vec<hn::RebindToSigned<Lanes>> packed, int ax
     return hn::ConvertTo(kLanes, hn::ShiftRight<22>(shifted));
 }
 
-/// Changes the terms of voxels that have a surface.
-template <ExchangeModel kModel>
-HWY_INLINE RowSolids applySurfaces(const ExchangeStep& step, const PackedNormal* normals, Vec tau, RowTerms& terms) {
+/// What is known of the surfaces in a row whatever the direction.
+struct RowSurfaces {
+    hn::Mask<Lanes> surface;  ///< has a normal
+    hn::Mask<Lanes> present;  ///< and is not empty, as the voxels of a quad light are
+    hn::Mask<Lanes> solid;    ///< present, or opaque enough to be the inside of a solid
+    Vec normal[3];
+};
+
+HWY_INLINE RowSurfaces rowSurfaces(const ExchangeStep& step, const PackedNormal* normals, Vec tau) {
     const hn::RebindToSigned<Lanes> kWholes;
     const auto packed = hn::BitCast(kWholes, hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
-    const auto surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
+    RowSurfaces row;
+    row.surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
+    row.present = hn::And(row.surface, hn::Gt(tau, hn::Zero(kLanes)));
+    row.solid = hn::Or(row.present, hn::Ge(tau, hn::Set(kLanes, step.solidTau)));
+    for (int axis = 0; axis < 3; ++axis) row.normal[axis] = normalComponent(packed, axis);
+    return row;
+}
+
+/// Changes the terms of voxels that have a surface, for rays that travel along `direction`.
+template <ExchangeModel kModel>
+HWY_INLINE RowSolids applySurfaces(const ExchangeStep& step, const Vec3& direction, const RowSurfaces& row,
+                                   RowTerms& terms) {
     Vec cosine = hn::Zero(kLanes);
     for (int axis = 0; axis < 3; ++axis)
-        cosine =
-            hn::MulAdd(normalComponent(packed, axis), hn::Set(kLanes, step.direction[axis] / kPackedSteps), cosine);
+        cosine = hn::MulAdd(row.normal[axis], hn::Set(kLanes, float(direction[axis]) / kPackedSteps), cosine);
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
     const bool paper = kModel == ExchangeModel::paper;
     const Vec taken = paper ? hn::Mul(terms.opacity, hn::Min(hn::Neg(cosine), one)) : terms.opacity;
-    const float shot = paper ? step.zeta : std::min(1.0f, 4 * step.zeta);
-    terms.opacity = hn::IfThenElse(surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
+    const float shot = std::min(step.mostShot, (paper ? 1 : 4) * step.zeta);
+    terms.opacity = hn::IfThenElse(row.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
     terms.shot =
-        hn::IfThenElse(surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, shot)), terms.shot);
-    terms.numerator = hn::IfThenElse(surface, one, terms.numerator);
-    terms.denominator = hn::IfThenElse(surface, one, terms.denominator);
-    const auto present = hn::And(surface, hn::Gt(tau, zero));  // the voxels of a quad light are empty
-    const auto leaving = hn::And(present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));
-    const auto solid = hn::Or(present, hn::Ge(tau, hn::Set(kLanes, step.solidTau)));
-    return {hn::AndNot(leaving, solid), leaving};
+        hn::IfThenElse(row.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, shot)), terms.shot);
+    const auto leaving = hn::And(row.present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));
+    return {hn::AndNot(leaving, row.solid), leaving};
 }
 
-/// g = albedo p / (1 - albedo (1 - p)) with p = n / d. Written without a difference of n and d: where p is below the
-/// precision of a float, that would lose n and with it the power.
-HWY_INLINE Vec effectiveAlbedo(const RowTerms& terms, Vec albedo) {
-    const Vec scattered = hn::Mul(albedo, terms.numerator);
+/// 1 / p where voxels of a surface are taken to scatter once: 1.
+HWY_INLINE Vec withoutEscape(const PackedNormal* normals, Vec inverseEscape) {
+    const hn::RebindToUnsigned<Lanes> kWhole;
+    const auto surface = hn::RebindMask(kLanes, hn::Ne(hn::Load(kWhole, normals), hn::Zero(kWhole)));
+    return hn::IfThenElse(surface, hn::Set(kLanes, 1.0f), inverseEscape);
+}
+
+/// g = albedo p / (1 - albedo (1 - p)), written so that nothing is lost where p is below the precision of a float.
+HWY_INLINE Vec effectiveAlbedo(Vec inverseEscape, Vec albedo) {
     const Vec absorbing = hn::Sub(hn::Set(kLanes, 1.0f), albedo);
-    const Vec g = hn::Mul(scattered, reciprocal(hn::MulAdd(absorbing, terms.denominator, scattered)));
+    const Vec g = hn::Mul(albedo, reciprocal(hn::MulAdd(absorbing, inverseEscape, albedo)));
     return hn::Min(g, hn::Set(kLanes, 1.0f));
 }
 

@@ -1,10 +1,13 @@
 #include "raysweep/sweep/sweep.h"
 
 #include "raysweep/core/denormals.h"
+#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/sweep/wavefront.h"
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 #include <utility>
 
 namespace raysweep {
@@ -13,34 +16,38 @@ namespace {
 constexpr double kSpent = 1e-6;  ///< rays in a periodic volume are followed until this part of their power is left
 constexpr int kMostRepetitions = 100000;
 
-/// A sweep from one end of the bricks' bounding box to the other.
-SweepTotals sweepThrough(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
-                         const ExchangeFields& fields, const ExchangeStep& step) {
-    const RayTiles cut = cutIntoTiles(front, volume.layout, volume.index[std::size_t(front.axis.major)]);
-    std::vector<TileSums> sums(cut.tiles.size());
-    const auto exchangeTiles = [&](auto exchange, std::size_t begin, std::size_t end) {
-        parallelFor(end - begin, [&](std::size_t i) {
-            const FlushDenormals flush;  // rays deep in smoke fade into them: they would cost half the time
-            exchange(front, cut.tiles[begin + i], fields, step, sums[begin + i]);
-        });
-    };
-    if (interpolation == Interpolation::nearest)
-        exchangeTiles(exchangeNearest, 0, cut.tiles.size());
-    else
-        for (std::size_t colour = 0; colour + 1 < cut.colours.size(); ++colour)
-            exchangeTiles(exchangeLinear, cut.colours[colour], cut.colours[colour + 1]);
+/// Rays that go from one repetition of a periodic volume to the next.
+struct Crossing {
+    CrossingRays* arriving = nullptr;
+    CrossingRays* leaving = nullptr;
+};
 
-    // Rays that enter the bounding box but meet no brick were never made: they come out as they went in.
-    SweepTotals totals;
-    double made = 0;
-    for (const TileSums& tile : sums) made += tile.rays;
-    const double entered = countRaysThatEnter(front);
-    for (int c = 0; c < fields.channels; ++c) {
-        for (const TileSums& tile : sums) totals.escaped[c] += tile.escaped[c];
-        totals.escaped[c] += (entered - made) * double(step.entering[c]);
-        totals.entered[c] = entered * double(step.entering[c]);
-    }
-    return totals;
+/// A sweep from one end of the bricks' bounding box to the other.
+std::vector<RaySums> sweepThrough(const SweepVolume& volume, const std::vector<Beam>& beams,
+                                  Interpolation interpolation, const ExchangeFields& fields, const ExchangeStep& step,
+                                  const Crossing& crossing = {}) {
+    const bool linear = interpolation == Interpolation::linear;
+    const RayFront& front = beams.front().front;
+    const TileIndex& index = volume.indexFor(front.axis.major, interpolation);
+    std::vector<std::optional<FrontRays>> made(beams.size());
+    parallelFor(beams.size(), [&](std::size_t i) {
+        made[i].emplace(beams[i], index, linear ? kBrickEdge : 0, fields.channels, fields.furnace.data != nullptr);
+        made[i]->enter(beams[i], crossing.arriving);
+    });
+    std::vector<FrontRays> rays;
+    for (std::optional<FrontRays>& one : made) rays.push_back(std::move(*one));
+
+    const Wavefront wavefront(volume, front, index, linear);
+    const SweptBeams swept{beams, rays};
+    parallelWavefront(wavefront.slabs(), wavefront.strips(), [&](int slab, int strip) {
+        const FlushDenormals flush;  // rays deep in smoke fade into them: they would cost half the time
+        const std::vector<BrickVisit> visits = wavefront.visits(slab, strip);
+        linear ? exchangeLinear(swept, visits, fields, step) : exchangeNearest(swept, visits, fields, step);
+    });
+
+    std::vector<RaySums> sums(beams.size());
+    parallelFor(beams.size(), [&](std::size_t i) { sums[i] = rays[i].leave(beams[i], crossing.leaving); });
+    return sums;
 }
 
 double powerOf(const CrossingRays& rays) {
@@ -50,30 +57,29 @@ double powerOf(const CrossingRays& rays) {
 
 /// A sweep where the volume repeats along the sweep's axis. All repetitions are equal, so the rays that leave one are
 /// those that enter the next: they go round, with nothing new entering or shot, until hardly any power is left.
-SweepTotals sweepAround(const SweepVolume& volume, RayFront front, Interpolation interpolation, ExchangeFields fields,
-                        ExchangeStep step) {
+RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpolation, ExchangeFields fields,
+                    ExchangeStep step) {
     alignas(64) static const float kNothing[kBrickVoxels] = {0};
     // In the first round nobody knows what rays come out of the repetition before as: the second one measures.
     const BrickView<float> furnace = fields.furnace;
     BrickField unused;
     if (furnace.data) fields.furnace = viewOf(unused = BrickField(fields.surfaces->bricks.size()));
-    CrossingRays arriving(front, fields.channels, furnace.data), leaving(front, fields.channels, furnace.data);
-    fields.arriving = &arriving;
-    fields.leaving = &leaving;
-    SweepTotals totals = sweepThrough(volume, front, interpolation, fields, step);
+    CrossingRays arriving(beam.front, fields.channels, furnace.data), leaving(beam.front, fields.channels, furnace.data);
+    const auto once = [&] { return sweepThrough(volume, {beam}, interpolation, fields, step, {&arriving, &leaving})[0]; };
+    RaySums totals = once();
     step.zeta = 0;
     for (int c = 0; c < fields.channels; ++c) {
-        step.entering[c] = 0;
+        beam.entering[c] = 0;
         fields.source[c] = {kNothing, 0};
     }
     const double first = powerOf(leaving);
     const auto goesOn = [&](int i) { return powerOf(leaving) > kSpent * first || (i == 0 && furnace.data); };
     for (int i = 0; i < kMostRepetitions && goesOn(i); ++i) {
         std::swap(arriving, leaving);
-        leaving = CrossingRays(front, fields.channels, i == 0 && furnace.data);
+        leaving = CrossingRays(beam.front, fields.channels, i == 0 && furnace.data);
         fields.furnace = i == 0 ? furnace : BrickView<float>();
-        front = nextRepetition(front);
-        const SweepTotals more = sweepThrough(volume, front, interpolation, fields, step);
+        beam.front = nextRepetition(beam.front);
+        const RaySums more = once();
         for (int c = 0; c < fields.channels; ++c) totals.escaped[c] += more.escaped[c];
     }
     const std::size_t perChannel = leaving.power.size() / std::size_t(fields.channels);
@@ -81,17 +87,43 @@ SweepTotals sweepAround(const SweepVolume& volume, RayFront front, Interpolation
     return totals;
 }
 
-}  // namespace
-
-SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
-                  const ExchangeFields& fields, const ExchangeStep& step) {
-    return front.periodic ? sweepAround(volume, front, interpolation, fields, step)
-                          : sweepThrough(volume, front, interpolation, fields, step);
+bool goTogether(const RayFront& a, const RayFront& b) {
+    const auto sameWay = [](const Lateral& first, const Lateral& second) {
+        return (first.slope >= 0) == (second.slope >= 0);
+    };
+    return a.axis.major == b.axis.major && a.ascending == b.ascending && sameWay(a.column, b.column) &&
+           sameWay(a.row, b.row);
 }
 
-void settle(const SweepVolume& volume, const ExchangeFields& fields, const ExchangeStep& step) {
+}  // namespace
+
+SweepVolume::SweepVolume(BrickLayout bricks, Periodic repeats)
+    : layout(std::move(bricks)), map(layout), periodic(repeats) {}
+
+const TileIndex& SweepVolume::indexFor(int major, Interpolation interpolation) const {
+    const bool linear = interpolation == Interpolation::linear;
+    std::optional<TileIndex>& index = index_[linear ? 1 : 0][std::size_t(major)];
+    const SweepAxis axis = sweepAxis(major);
+    if (!index)
+        index.emplace(layout.origins, linear ? marginsBelow(layout, map, periodic, axis) : std::vector<Index3>(), axis);
+    return *index;
+}
+
+std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& beams, Interpolation interpolation,
+                           const ExchangeFields& fields, const ExchangeStep& step) {
+    const RayFront& first = beams.at(0).front;
+    for (const Beam& beam : beams)
+        if (!goTogether(first, beam.front)) throw InvalidArgument("the beams of a sweep must go the same way along every axis");
+    if (beams.size() > kMostBeams || (beams.size() > 1 && (volume.periodic[0] || volume.periodic[1] || volume.periodic[2])))
+        throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) + " beams, and one in a periodic volume");
+    if (first.periodic) return {sweepAround(volume, beams[0], interpolation, fields, step)};
+    return sweepThrough(volume, beams, interpolation, fields, step);
+}
+
+void settle(const SweepVolume& volume, const std::vector<Beam>& beams, const ExchangeFields& fields,
+            const ExchangeStep& step) {
     parallelFor(
-        volume.layout.brickCount(), [&](std::size_t b) { settleBrick(fields, step, b); }, 16);
+        volume.layout.brickCount(), [&](std::size_t b) { settleBrick(beams, fields, step, b); }, 16);
 }
 
 }  // namespace raysweep

@@ -3,11 +3,12 @@
 #pragma once
 
 #include "raysweep/sweep/exchange.h"
-#include "raysweep/sweep/ray_front.h"
 #include "raysweep/sweep/tile_index.h"
 #include "raysweep/volume/brick_map.h"
 
 #include <array>
+#include <optional>
+#include <vector>
 
 namespace raysweep {
 
@@ -18,27 +19,29 @@ enum class Interpolation {
 
 /// Bricks and their order along each axis.
 struct SweepVolume {
-    explicit SweepVolume(BrickLayout bricks) : layout(std::move(bricks)), map(layout), index(indexTiles(layout)) {}
+    explicit SweepVolume(BrickLayout bricks, Periodic repeats = {false, false, false});
+
+    /// The order with the margins that `linear` needs. Not to be called by two threads at once.
+    const TileIndex& indexFor(int axis, Interpolation interpolation) const;
 
     BrickLayout layout;
     BrickMap map;
-    std::array<TileIndex, 3> index;
-    Periodic periodic{false, false, false};
+    Periodic periodic;
+
+  private:
+    mutable std::array<std::optional<TileIndex>, 3> index_[2];
 };
 
-/// Power of all rays at both ends of a sweep, W.
-struct SweepTotals {
-    double entered[kMaxChannels] = {0};
-    double escaped[kMaxChannels] = {0};
-};
-
-/// Sweeps the front through the volume. `step.entering` is what a ray carries when it enters the bounding box of the
-/// bricks. With `linear` deposits are left in `fields.fresh` for `settle`. The result has the same bits for any number
-/// of threads.
-SweepTotals sweep(const SweepVolume& volume, const RayFront& front, Interpolation interpolation,
-                  const ExchangeFields& fields, const ExchangeStep& step);
+/// Sweeps the beams through the volume together. They must share their axis and the sign of travel along all three;
+/// a volume that is periodic takes one beam at a time. `entering` is what a ray carries when it enters the bounding box
+/// of the bricks. With `linear` deposits are left in `fields.fresh` for `settle`. The result has the same bits for any
+/// number of threads.
+/// @return what the rays of each beam carried at both ends
+std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& beams, Interpolation interpolation,
+                           const ExchangeFields& fields, const ExchangeStep& step);
 
 /// Ends a `linear` sweep: see settleBrick.
-void settle(const SweepVolume& volume, const ExchangeFields& fields, const ExchangeStep& step);
+void settle(const SweepVolume& volume, const std::vector<Beam>& beams, const ExchangeFields& fields,
+            const ExchangeStep& step);
 
 }  // namespace raysweep

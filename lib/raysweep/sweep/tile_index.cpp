@@ -2,31 +2,59 @@
 
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 namespace raysweep {
 
-TileIndex::TileIndex(const BrickLayout& layout, const SweepAxis& axis) : bricks_(layout.brickCount()) {
-    const std::vector<Index3>& at = layout.origins;
-    std::iota(bricks_.begin(), bricks_.end(), 0u);
-    std::sort(bricks_.begin(), bricks_.end(), [&](std::uint32_t a, std::uint32_t b) {
+TileIndex::TileIndex(const std::vector<Index3>& origins, const std::vector<Index3>& margins, const SweepAxis& axis) {
+    const auto origin = [&](std::size_t i) -> const Index3& {
+        return i < origins.size() ? origins[i] : margins[i - origins.size()];
+    };
+    std::vector<std::size_t> order(origins.size() + margins.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         for (const int key : {axis.major, axis.row, axis.column})
-            if (at[a][key] != at[b][key]) return at[a][key] < at[b][key];
+            if (origin(a)[key] != origin(b)[key]) return origin(a)[key] < origin(b)[key];
         return false;
     });
-    for (std::size_t i = 0; i < bricks_.size(); ++i) {
-        const Index3& here = at[bricks_[i]];
-        const Index3& before = at[bricks_[i > 0 ? i - 1 : 0]];
-        const bool newLayer = i == 0 || here[axis.major] != before[axis.major];
-        const bool newRow = newLayer || here[axis.row] != before[axis.row];
-        if (newLayer) layers_.push_back(int(rows_.size()));
-        if (newRow) rows_.push_back(int(i));
+    entries_.reserve(order.size());
+    for (const std::size_t i : order) {
+        const Index3& here = origin(i);
+        const int layer = here[axis.major], row = here[axis.row];
+        if (rows_.empty() || rows_.back().layer != layer || rows_.back().row != row)
+            rows_.push_back({layer, row, entries_.size(), entries_.size()});
+        entries_.push_back({i < origins.size() ? std::uint32_t(i) : kNoBrick, here[axis.column]});
+        rows_.back().end = entries_.size();
     }
-    layers_.push_back(int(rows_.size()));
-    rows_.push_back(int(bricks_.size()));
 }
 
-std::array<TileIndex, 3> indexTiles(const BrickLayout& layout) {
-    return {TileIndex(layout, sweepAxis(0)), TileIndex(layout, sweepAxis(1)), TileIndex(layout, sweepAxis(2))};
+std::pair<std::size_t, std::size_t> TileIndex::find(int layer, int rowLow, int rowHigh) const {
+    const auto firstFrom = [&](int row) {
+        const auto found = std::lower_bound(rows_.begin(), rows_.end(), row, [&](const Row& a, int b) {
+            return a.layer != layer ? a.layer < layer : a.row < b;
+        });
+        return std::size_t(found - rows_.begin());
+    };
+    return {firstFrom(rowLow), firstFrom(rowHigh)};
+}
+
+std::vector<Index3> marginsBelow(const BrickLayout& layout, const BrickMap& map, const Periodic& periodic,
+                                 const SweepAxis& axis) {
+    std::vector<Index3> margins;
+    for (const Index3& origin : layout.origins)
+        for (int sides = 1; sides < 4; ++sides) {
+            Index3 below = origin;
+            if (sides & 1) below[axis.row] -= kBrickEdge;
+            if (sides & 2) below[axis.column] -= kBrickEdge;
+            below = wrapped(layout, periodic, below);
+            if (map.find(below) == kNoBrick) margins.push_back(below);
+        }
+    const auto key = [](const Index3& a) { return std::make_tuple(a.x, a.y, a.z); };
+    std::sort(margins.begin(), margins.end(), [&](const Index3& a, const Index3& b) { return key(a) < key(b); });
+    margins.erase(std::unique(margins.begin(), margins.end(),
+                              [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
+                  margins.end());
+    return margins;
 }
 
 }  // namespace raysweep

@@ -2,51 +2,45 @@
 #pragma once
 
 #include "raysweep/sweep/axis.h"
+#include "raysweep/volume/brick_map.h"
 #include "raysweep/volume/bricks.h"
 
-#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace raysweep {
 
-/// The bricks ordered by (layer, row, column) of one sweep axis; a layer is eight slices thick.
+/// Bricks ordered by (layer, row, column) of one sweep axis; a layer is eight slices thick.
 class TileIndex {
   public:
-    TileIndex(const BrickLayout& layout, const SweepAxis& axis);
+    struct Entry {
+        std::uint32_t brick;  ///< kNoBrick for a margin
+        int column;           ///< voxel coordinate of its low corner
+    };
+    /// A row of bricks.
+    struct Row {
+        int layer, row;           ///< voxel coordinates of its low corner
+        std::size_t first, end;  ///< in `entries`
+    };
 
-    /// Calls `visit(brick)` for every brick, layers, rows and columns each ascending or, where its flag is
-    /// false, descending.
-    template <class Visit>
-    void forEach(bool layersUp, bool rowsUp, bool columnsUp, const Visit& visit) const {
-        forEachIn(layers_, layersUp, {0, int(layers_.size()) - 1}, [&](Range rows) {
-            forEachIn(rows_, rowsUp, rows, [&](Range columns) {
-                const int count = columns.end - columns.begin;
-                for (int i = 0; i < count; ++i)
-                    visit(bricks_[std::size_t(columnsUp ? columns.begin + i : columns.end - 1 - i)]);
-            });
-        });
-    }
+    /// @param margins origins of empty bricks that are to be met as well
+    TileIndex(const std::vector<Index3>& origins, const std::vector<Index3>& margins, const SweepAxis& axis);
+
+    const std::vector<Entry>& entries() const { return entries_; }
+    /// Ascending in (layer, row).
+    const std::vector<Row>& rows() const { return rows_; }
+    /// Rows [first, end) whose layer begins at `layer` and whose row begins in [rowLow, rowHigh).
+    std::pair<std::size_t, std::size_t> find(int layer, int rowLow, int rowHigh) const;
 
   private:
-    struct Range {
-        int begin, end;
-    };
-    template <class Visit>
-    static void forEachIn(const std::vector<int>& starts, bool up, Range range, const Visit& visit) {
-        const int count = range.end - range.begin;
-        for (int i = 0; i < count; ++i) {
-            const int at = up ? range.begin + i : range.end - 1 - i;
-            visit(Range{starts[std::size_t(at)], starts[std::size_t(at) + 1]});
-        }
-    }
-
-    std::vector<std::uint32_t> bricks_;
-    std::vector<int> rows_;    ///< first brick of each row, and the end
-    std::vector<int> layers_;  ///< first row of each layer, and the end
+    std::vector<Entry> entries_;
+    std::vector<Row> rows_;
 };
 
-/// One index per major axis.
-std::array<TileIndex, 3> indexTiles(const BrickLayout& layout);
+/// Origins of the empty bricks that have a brick next to them on the upper side of the axis' row, column or both: rays
+/// that pass there meet with their 2x2 voxels some of that brick's.
+std::vector<Index3> marginsBelow(const BrickLayout& layout, const BrickMap& map, const Periodic& periodic,
+                                 const SweepAxis& axis);
 
 }  // namespace raysweep

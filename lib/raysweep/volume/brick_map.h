@@ -16,6 +16,16 @@ inline std::size_t offsetInBrick(const Index3& voxel) {
     return std::size_t((voxel.x & 7) << 6 | (voxel.y & 7) << 3 | (voxel.z & 7));
 }
 
+/// A brick's origin one brick outside of the bounding box, where that is periodic, as the one inside that it repeats.
+inline Index3 wrapped(const BrickLayout& layout, const Periodic& periodic, Index3 origin) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!periodic[std::size_t(axis)]) continue;
+        if (origin[axis] < layout.low[axis]) origin[axis] = layout.high[axis] - kBrickEdge;
+        if (origin[axis] >= layout.high[axis]) origin[axis] = layout.low[axis];
+    }
+    return origin;
+}
+
 /// A table over the bounding box where that is not much larger than the bricks, else a hash map.
 class BrickMap {
   public:

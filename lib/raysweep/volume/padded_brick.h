@@ -20,7 +20,7 @@ struct PaddedBrick {
             for (int j = -1; j <= 1; ++j)
                 for (int k = -1; k <= 1; ++k) {
                     const Index3 side(i, j, k);
-                    const std::uint32_t neighbour = map.find(neighbourOrigin(layout, periodic, b, side));
+                    const std::uint32_t neighbour = map.find(wrapped(layout, periodic, layout.origins[b] + side * kBrickEdge));
                     const T* const from = neighbour == kNoBrick ? nullptr : valuesOf(neighbour);
                     if (from) copyFrom(from, side);
                 }
@@ -39,17 +39,6 @@ struct PaddedBrick {
     }
 
   private:
-    static Index3 neighbourOrigin(const BrickLayout& layout, const Periodic& periodic, std::size_t b,
-                                  const Index3& side) {
-        Index3 origin = layout.origins[b] + side * kBrickEdge;
-        for (int axis = 0; axis < 3; ++axis) {
-            if (!periodic[std::size_t(axis)]) continue;
-            if (origin[axis] < layout.low[axis]) origin[axis] = layout.high[axis] - kBrickEdge;
-            if (origin[axis] >= layout.high[axis]) origin[axis] = layout.low[axis];
-        }
-        return origin;
-    }
-
     /// Takes the voxels of the neighbour on `side` that touch the brick.
     void copyFrom(const T* from, const Index3& side) {
         const auto first = [&](int axis) { return side[axis] < 0 ? kBrickEdge - 1 : 0; };

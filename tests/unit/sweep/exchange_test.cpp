@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 
+#include "raysweep/core/error.h"
 #include "raysweep/sweep/directions.h"
 #include "raysweep/sweep/sweep.h"
 #include "raysweep/volume/brick_map.h"
@@ -76,9 +78,14 @@ struct Volume {
     BrickField tau, albedo[3], source[3], unshot[3], deposit[3], fresh[3];
 };
 
-double cosineOf(const ExchangeStep& step, PackedNormal normal) {
-    return unpackNormal(normal).dot(
-        Vec3(double(step.direction[0]), double(step.direction[1]), double(step.direction[2])));
+/// A beam and what it shares with the others of its sweep.
+struct PlainBeam : ExchangeStep {
+    PlainBeam(const ExchangeStep& step, const Beam& ofBeam) : ExchangeStep(step), beam(ofBeam) {}
+    const Beam& beam;
+};
+
+double cosineOf(const PlainBeam& step, PackedNormal normal) {
+    return unpackNormal(normal).dot(step.beam.front.direction);
 }
 
 /// What the formulas say about one voxel.
@@ -86,19 +93,19 @@ struct VoxelTerms {
     double opacity, shot, g;
 };
 
-VoxelTerms termsOf(const ExchangeStep& step, PackedNormal normal, double tau, double albedo) {
-    const double along = tau * double(step.stepScale), opacity = -std::expm1(-along);
+VoxelTerms termsOf(const PlainBeam& step, PackedNormal normal, double tau, double albedo) {
+    const double along = tau * double(step.beam.stepScale), opacity = -std::expm1(-along);
     if (normal != 0) {
         const double cosine = cosineOf(step, normal);
         const bool paper = step.model == ExchangeModel::paper;
-        const double shot = paper ? double(step.zeta) : std::min(1.0, 4 * double(step.zeta));
+        const double shot = paper ? double(step.zeta) : std::min(double(step.mostShot), 4 * double(step.zeta));
         if (cosine > 0) return {0, shot * std::min(1.0, cosine), albedo};
         return {opacity * (paper ? std::min(1.0, -cosine) : 1), 0, albedo};
     }
     if (step.model == ExchangeModel::paper) return {opacity, double(step.zeta), albedo};
     const double p = step.escape.numerator(tau) / step.escape.denominator(tau);
     const double ratio = along > 0 ? opacity / along : 1;
-    return {opacity, std::min(1.0, double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
+    return {opacity, std::min(double(step.mostShot), double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
 }
 
 /// The local furnace in doubles, by its definition in exchange.h.
@@ -112,10 +119,10 @@ struct PlainFurnace {
     std::vector<double> sum;  ///< over the surfaces' bricks
 
     /// What a voxel takes of a ray that meets it with `weight` in slice k.
-    void meet(const ExchangeStep& step, const std::pair<int, int>& at, int k, PackedNormal normal, double tau,
+    void meet(const PlainBeam& step, const std::pair<int, int>& at, int k, PackedNormal normal, double tau,
               double opacity, double weight, double& total) {
         Ray& ray = rays[at];
-        if (ray.last < k - kSurfaceGap) ray.f = double(step.furnaceRay);
+        if (ray.last < k - kSurfaceGap) ray.f = double(step.beam.furnaceRay);
         const bool leaving = normal != 0 && tau > 0 && cosineOf(step, normal) > double(kLeavingCosine);
         const bool inside = !leaving && ((normal != 0 && tau > 0) || tau >= double(step.solidTau));
         const double in = inside ? weight * opacity * ray.f : 0;
@@ -136,12 +143,12 @@ struct PlainFurnace {
 /// weight 1.
 struct PlainSweep {
     const Volume& volume;
-    const RayFront& front;
-    const ExchangeStep& step;
+    const PlainBeam& step;
     int channel;
     bool linear;
-    std::map<std::pair<int, int>, double> rays;
-    std::vector<double> unshot, deposit;
+    const RayFront& front = step.beam.front;
+    std::map<std::pair<int, int>, double> rays = {};
+    std::vector<double> unshot = {}, deposit = {};
     double escaped = 0;
     PlainFurnace furnace = {};
 
@@ -159,7 +166,7 @@ struct PlainSweep {
         const RayRange rows = rayExtent(front, front.row);
         for (int r = rows.begin; r < rows.end; ++r) {
             const RayRange columns = raysThatEnter(front, r);
-            for (int c = columns.begin; c < columns.end; ++c) rays[{r, c}] = double(step.entering[channel]);
+            for (int c = columns.begin; c < columns.end; ++c) rays[{r, c}] = double(step.beam.entering[channel]);
         }
         for (int k = 0; k < front.slices; ++k) sliceThrough(layout, map, k);
         for (const auto& [at, ray] : rays) escaped += ray;
@@ -203,45 +210,68 @@ struct PlainSweep {
     }
 };
 
-void expectSameAsPlain(const Vec3& direction, Interpolation interpolation, ExchangeModel model, int channels) {
+/// A beam along `direction`, with powers of its own.
+Beam makeBeam(const Volume& volume, const Vec3& direction, Interpolation interpolation, int number) {
+    Beam beam;
+    beam.front = parallelFront(volume.sweepVolume.layout, direction, interpolation == Interpolation::linear ? 1 : 0,
+                               0.31, 0.77, {});
+    beam.stepScale = float(beam.front.stepLength / volume.escape.meanStepLength());
+    for (int c = 0; c < volume.channels; ++c) beam.entering[c] = 0.5f + 0.25f * float(c) + 0.1f * float(number);
+    beam.furnaceRay = 0.7f;
+    return beam;
+}
+
+/// Largest difference of a field from what it was before with the `changes` of all beams.
+double worstOf(const BrickField& field, const BrickField& before, const std::vector<std::vector<double>>& after) {
+    double worst = 0;
+    for (std::size_t i = 0; i < after[0].size(); ++i) {
+        const double old = double(before.brick(0)[i]);
+        double expected = old;
+        for (const std::vector<double>& ofBeam : after) expected += ofBeam[i] - old;
+        worst = std::max(worst, std::abs(double(field.brick(0)[i]) - expected));
+    }
+    return worst;
+}
+
+/// All beams read the volume as it was: the plain sweeps are made one by one on a copy of it, and their changes added.
+void expectSameAsPlain(const std::vector<Vec3>& directions, Interpolation interpolation, ExchangeModel model,
+                       int channels) {
     Volume volume(channels);
+    const Volume before(channels);
     const bool linear = interpolation == Interpolation::linear;
-    const RayFront front = parallelFront(volume.sweepVolume.layout, direction, linear ? 1 : 0, 0.31, 0.77, {});
     ExchangeStep step;
     step.model = model;
     step.escape = volume.escape.fit();
-    step.stepScale = float(front.stepLength / volume.escape.meanStepLength());
-    for (int axis = 0; axis < 3; ++axis) step.direction[axis] = float(front.direction[axis]);
-    for (int c = 0; c < channels; ++c) step.entering[c] = 0.5f + 0.25f * float(c);
-    step.furnaceRay = 0.7f;
+    step.zeta = 0.9f / float(directions.size());
+    step.mostShot = 1 / float(directions.size());
     step.solidTau = 2;
-    std::vector<PlainSweep> plain;
-    for (int c = 0; c < channels; ++c) {
-        plain.push_back({volume, front, step, c, linear, {}, {}, {}});
-        plain.back().run();
-    }
+    std::vector<Beam> beams;
+    for (const Vec3& direction : directions)
+        beams.push_back(makeBeam(volume, direction, interpolation, int(beams.size())));
     const ExchangeFields fields = volume.fields();
-    const SweepTotals totals = sweep(volume.sweepVolume, front, interpolation, fields, step);
-    if (linear) settle(volume.sweepVolume, fields, step);
+    const std::vector<RaySums> sums = sweep(volume.sweepVolume, beams, interpolation, fields, step);
+    if (linear) settle(volume.sweepVolume, beams, fields, step);
+
     // About 50 float operations on a ray's way, on values of order 1.
     constexpr double kRounding = 1e-5;
-    double worstFurnace = 0;
-    EXPECT_GT(*std::max_element(plain[0].furnace.sum.begin(), plain[0].furnace.sum.end()), 0.1);
-    for (std::size_t i = 0; i < plain[0].furnace.sum.size(); ++i)
-        worstFurnace = std::max(worstFurnace, std::abs(double(volume.furnace.brick(0)[i]) - plain[0].furnace.sum[i]));
-    EXPECT_LE(worstFurnace, kRounding) << "direction " << direction << " interpolation " << int(interpolation);
+    std::ostringstream what;
+    what << "direction " << directions[0] << ", beams " << beams.size() << " interpolation " << int(interpolation)
+         << " model " << int(model) << " channels " << channels;
     for (int c = 0; c < channels; ++c) {
-        double worst = 0;
-        for (std::size_t i = 0; i < plain[std::size_t(c)].unshot.size(); ++i) {
-            const std::size_t b = i / kBrickVoxels, offset = i % kBrickVoxels;
-            worst =
-                std::max(worst, std::abs(double(volume.unshot[c].brick(b)[offset]) - plain[std::size_t(c)].unshot[i]));
-            worst = std::max(worst,
-                             std::abs(double(volume.deposit[c].brick(b)[offset]) - plain[std::size_t(c)].deposit[i]));
+        std::vector<std::vector<double>> unshot, deposit, furnace;
+        for (std::size_t i = 0; i < beams.size(); ++i) {
+            const PlainBeam plainBeam(step, beams[i]);
+            PlainSweep plain{before, plainBeam, c, linear};
+            plain.run();
+            unshot.push_back(plain.unshot);
+            deposit.push_back(plain.deposit);
+            furnace.push_back(plain.furnace.sum);
+            EXPECT_LE(std::abs(sums[i].escaped[c] / plain.escaped - 1), kRounding) << what.str();
         }
-        EXPECT_LE(worst, kRounding) << "direction " << direction << " interpolation " << int(interpolation) << " model "
-                                    << int(model) << " channel " << c << " of " << channels;
-        EXPECT_LE(std::abs(totals.escaped[c] / plain[std::size_t(c)].escaped - 1), kRounding);
+        EXPECT_LE(worstOf(volume.unshot[c], before.unshot[c], unshot), kRounding) << what.str();
+        EXPECT_LE(worstOf(volume.deposit[c], before.deposit[c], deposit), kRounding) << what.str();
+        EXPECT_GT(*std::max_element(furnace[0].begin(), furnace[0].end()), 0.1);
+        EXPECT_LE(worstOf(volume.furnace, before.furnace, furnace), kRounding) << what.str();
     }
 }
 
@@ -256,8 +286,33 @@ TEST(Exchange, AgreesWithItsFormulasAlongAllAxes) {
             direction[(major + 2) % 3] = signs & 4 ? 0.9 : -0.45;
             for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
                 for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper})
-                    for (const int channels : {1, 3}) expectSameAsPlain(direction, interpolation, model, channels);
+                    for (const int channels : {1, 3}) expectSameAsPlain({direction}, interpolation, model, channels);
         }
+}
+
+TEST(Exchange, OfSeveralBeamsIsThatOfEachInTheSameVolume) {
+    for (int major = 0; major < 3; ++major)
+        for (const double way : {1.0, -1.0}) {
+            std::vector<Vec3> directions;
+            for (const double slope : {0.13, 0.47, 0.86}) {
+                Vec3 direction;
+                direction[major] = way;
+                direction[(major + 1) % 3] = slope * way;
+                direction[(major + 2) % 3] = -0.83 * slope;
+                directions.push_back(direction);
+            }
+            for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
+                for (const int channels : {1, 3})
+                    expectSameAsPlain(directions, interpolation, ExchangeModel::consistent, channels);
+        }
+}
+
+TEST(Exchange, BeamsThatGoDifferentWaysAreRefused) {
+    Volume volume(1);
+    std::vector<Beam> beams;
+    for (const Vec3& direction : {Vec3(1, 0.5, 0.2), Vec3(1, -0.5, 0.2)})
+        beams.push_back(makeBeam(volume, direction, Interpolation::nearest, 0));
+    EXPECT_THROW(sweep(volume.sweepVolume, beams, Interpolation::nearest, volume.fields(), {}), InvalidArgument);
 }
 
 TEST(Exchange, EffectiveAlbedoOfAConservativeVoxelIsOneAtAnyDepth) {

@@ -44,7 +44,7 @@ std::set<std::pair<int, int>> raysByTrying(const RayFront& front) {
 TEST(RayFront, RaysThatEnterAreThoseFoundByTrying) {
     const BrickLayout layout = boxLayout({-16, 8, 0}, {8, 24, 40});
     std::mt19937_64 random(4);
-    DirectionSequence directions(DirectionSet::random, 1, 2);
+    DirectionSequence directions({DirectionSet::random, 1, 2});
     for (int trial = 0; trial < 100; ++trial) {
         Vec3 direction = directions.next();
         if (trial < 6) direction = Vec3(trial / 2 == 0, trial / 2 == 1, trial / 2 == 2) * (trial % 2 ? 1.0 : -1.0);

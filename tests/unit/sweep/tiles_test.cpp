@@ -1,12 +1,12 @@
-// Bricks in the order of a sweep, and a ray front cut into tiles.
+// Bricks in the order of a sweep, and the rays that meet them.
 #include <gtest/gtest.h>
 
-#include <map>
-#include <set>
+#include <array>
+#include <cstdint>
 
 #include "raysweep/sweep/directions.h"
-#include "raysweep/sweep/ray_tiles.h"
 #include "raysweep/sweep/sweep.h"
+#include "raysweep/sweep/wavefront.h"
 
 using namespace raysweep;
 
@@ -37,9 +37,10 @@ std::vector<int> raysMet(const SweepVolume& volume, const RayFront& front) {
     fields.albedo[0] = fields.source[0] = sharedView(zero);
     fields.unshot[0] = viewOf(unshot);
     fields.deposit[0] = viewOf(deposit);
-    ExchangeStep step;
-    step.entering[0] = 1 / kThin;
-    sweep(volume, front, Interpolation::nearest, fields, step);
+    Beam beam;
+    beam.front = front;
+    beam.entering[0] = 1 / kThin;
+    sweep(volume, {beam}, Interpolation::nearest, fields, {});
     std::vector<int> met;
     for (std::size_t b = 0; b < bricks; ++b)
         for (int i = 0; i < kBrickVoxels; ++i) met.push_back(int(deposit.brick(b)[i] + 0.5f));
@@ -48,31 +49,47 @@ std::vector<int> raysMet(const SweepVolume& volume, const RayFront& front) {
 
 }  // namespace
 
-TEST(TileIndex, VisitsEveryBrickOnceInOrder) {
+TEST(TileIndex, HasEveryBrickOnceInOrder) {
     const BrickLayout layout = scatteredLayout(0.1);
     for (int major = 0; major < 3; ++major) {
         const SweepAxis axis = sweepAxis(major);
-        const TileIndex index(layout, axis);
-        for (int signs = 0; signs < 8; ++signs) {
-            const bool up[3] = {(signs & 1) != 0, (signs & 2) != 0, (signs & 4) != 0};
-            std::vector<std::uint32_t> seen;
-            index.forEach(up[0], up[1], up[2], [&](std::uint32_t b) { seen.push_back(b); });
-            EXPECT_EQ(std::set<std::uint32_t>(seen.begin(), seen.end()).size(), layout.brickCount());
-            ASSERT_EQ(seen.size(), layout.brickCount());
-            const auto key = [&](std::uint32_t b) {
-                const Index3& o = layout.origins[b];
-                return std::array<int, 3>{up[0] ? o[axis.major] : -o[axis.major], up[1] ? o[axis.row] : -o[axis.row],
-                                          up[2] ? o[axis.column] : -o[axis.column]};
-            };
-            for (std::size_t i = 1; i < seen.size(); ++i) ASSERT_LT(key(seen[i - 1]), key(seen[i]));
-        }
+        const TileIndex index(layout.origins, {}, axis);
+        std::vector<std::array<int, 3>> keys;
+        for (const TileIndex::Row& row : index.rows())
+            for (std::size_t i = row.first; i < row.end; ++i) {
+                const TileIndex::Entry& entry = index.entries()[i];
+                keys.push_back({row.layer, row.row, entry.column});
+                const Index3& origin = layout.origins[entry.brick];
+                EXPECT_EQ(keys.back(), (std::array<int, 3>{origin[axis.major], origin[axis.row], origin[axis.column]}));
+            }
+        ASSERT_EQ(keys.size(), layout.brickCount());
+        for (std::size_t i = 1; i < keys.size(); ++i) ASSERT_LT(keys[i - 1], keys[i]);
     }
 }
 
-TEST(RayTiles, EveryVoxelMeetsExactlyOneRay) {
+TEST(TileIndex, FindsTheRowsOfALayer) {
+    const TileIndex index({{0, 0, 0}, {0, 16, 0}, {0, 16, 8}, {8, 8, 0}}, {}, sweepAxis(0));
+    EXPECT_EQ(index.find(0, 0, 16), std::make_pair(std::size_t(0), std::size_t(1)));
+    EXPECT_EQ(index.find(0, 8, 24), std::make_pair(std::size_t(1), std::size_t(2)));
+    EXPECT_EQ(index.find(8, 0, 8), std::make_pair(std::size_t(2), std::size_t(2)));
+    EXPECT_EQ(index.find(16, 0, 8), std::make_pair(std::size_t(3), std::size_t(3)));
+}
+
+TEST(TileIndex, MarginsAreTheEmptyBricksJustBelow) {
+    BrickLayout layout;
+    layout.origins = {{0, 0, 0}, {0, 8, 0}};
+    layout.high = Index3(8, 16, 8);
+    const std::vector<Index3> margins = marginsBelow(layout, BrickMap(layout), {}, sweepAxis(0));
+    const std::vector<Index3> expected = {{0, -8, -8}, {0, -8, 0}, {0, 0, -8}, {0, 8, -8}};
+    ASSERT_EQ(margins.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(margins[i][axis], expected[i][axis]) << i;
+}
+
+TEST(FrontRays, EveryVoxelMeetsExactlyOneRay) {
     const SweepVolume volume(scatteredLayout(0.05));
     std::mt19937_64 random(4);
-    DirectionSequence directions(DirectionSet::fibonacci, 16, 2);
+    DirectionSequence directions({DirectionSet::fibonacci, 16, 2});
     for (int trial = 0; trial < 16; ++trial) {
         Vec3 direction = directions.next();
         if (trial < 3) direction = Vec3(trial == 0, trial == 1, trial == 2);
@@ -84,15 +101,14 @@ TEST(RayTiles, EveryVoxelMeetsExactlyOneRay) {
     }
 }
 
-TEST(RayTiles, EveryVoxelMeetsOneRayInAPeriodicVolume) {
+TEST(FrontRays, EveryVoxelMeetsOneRayInAPeriodicVolume) {
     for (const int edge : {8, 128, 256}) {  // one tile, and an even number of them
         BrickLayout layout;
         for (int x = 0; x < edge; x += 8)
             for (int y = 0; y < edge; y += 8) layout.origins.emplace_back(x, y, 0);
         layout.high = Index3(edge, edge, 8);
-        SweepVolume volume(layout);
-        volume.periodic = {true, true, false};
-        DirectionSequence directions(DirectionSet::fibonacci, 16, 2);
+        const SweepVolume volume(layout, {true, true, false});
+        DirectionSequence directions({DirectionSet::fibonacci, 16, 2});
         for (int trial = 0; trial < 16; ++trial) {
             const Vec3 direction = directions.next();
             if (majorAxis(direction) != 2) continue;
@@ -104,19 +120,33 @@ TEST(RayTiles, EveryVoxelMeetsOneRayInAPeriodicVolume) {
     }
 }
 
-TEST(RayTiles, OfOneColourShareNoBrick) {
-    const BrickLayout layout = scatteredLayout(0.3);
-    DirectionSequence directions(DirectionSet::fibonacci, 12, 2);
-    for (int trial = 0; trial < 12; ++trial)
-        for (const int reach : {0, 1}) {
-            const RayFront front = parallelFront(layout, directions.next(), reach, 0.2, 0.7, {});
-            const TileIndex index(layout, front.axis);
-            const RayTiles cut = cutIntoTiles(front, layout, index);
-            for (std::size_t colour = 0; colour + 1 < cut.colours.size(); ++colour) {
-                std::map<std::uint32_t, std::size_t> owner;
-                for (std::size_t t = cut.colours[colour]; t < cut.colours[colour + 1]; ++t)
-                    for (const BrickVisit* visit = cut.tiles[t].begin; visit != cut.tiles[t].end; ++visit)
-                        ASSERT_EQ(owner.try_emplace(visit->brick, t).first->second, t) << "trial " << trial;
+TEST(Wavefront, MeetsEveryBrickOnceAndNoneBeforeOneUpwind) {
+    const SweepVolume volume(scatteredLayout(0.3));
+    DirectionSequence directions({DirectionSet::fibonacci, 12, 2});
+    for (int trial = 0; trial < 12; ++trial) {
+        const RayFront front = parallelFront(volume.layout, directions.next(), 0, 0.2, 0.7, {});
+        const Wavefront wavefront(volume, front, volume.indexFor(front.axis.major, Interpolation::nearest), false);
+        // Cells in an order that a wavefront may take: strip by strip.
+        std::vector<int> cellOf(volume.layout.brickCount(), -1), stepOf = cellOf;
+        int met = 0;
+        for (int strip = 0; strip < wavefront.strips(); ++strip)
+            for (int slab = 0; slab < wavefront.slabs(); ++slab)
+                for (const BrickVisit& visit : wavefront.visits(slab, strip)) {
+                    ASSERT_EQ(cellOf[visit.brick], -1);
+                    cellOf[visit.brick] = strip * 1000 + slab;
+                    stepOf[visit.brick] = met++;
+                }
+        ASSERT_EQ(met, int(volume.layout.brickCount()));
+        const int way[3] = {front.direction.x < 0 ? -1 : 1, front.direction.y < 0 ? -1 : 1,
+                            front.direction.z < 0 ? -1 : 1};
+        for (std::size_t b = 0; b < volume.layout.brickCount(); ++b)
+            for (int sides = 1; sides < 8; ++sides) {
+                const Index3 side((sides & 1) * way[0], (sides >> 1 & 1) * way[1], (sides >> 2) * way[2]);
+                const std::uint32_t downwind = volume.map.find(volume.layout.origins[b] + side * kBrickEdge);
+                if (downwind == kNoBrick) continue;
+                EXPECT_LT(stepOf[b], stepOf[downwind]);
+                EXPECT_LE(cellOf[b] / 1000, cellOf[downwind] / 1000);
+                EXPECT_LE(cellOf[b] % 1000, cellOf[downwind] % 1000);
             }
-        }
+    }
 }

@@ -1,0 +1,213 @@
+#include "raysweep/illuminate/coarse_level.h"
+
+#include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/estimate.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace raysweep {
+namespace {
+
+constexpr int kFactor = 2;
+constexpr int kGrain = 16;  ///< bricks
+
+/// Of the coarse brick that holds a fine one. Coarse coordinates begin at the low corner of the fine bricks' bounding
+/// box, so that the levels of a volume shrink wherever it lies.
+Index3 coarseOrigin(const BrickLayout& fine, const Index3& origin) {
+    return (origin - fine.low) / (kFactor * kBrickEdge) * kBrickEdge;
+}
+
+/// Ascending, each once.
+std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
+    std::vector<Index3> origins;
+    origins.reserve(fine.brickCount());
+    for (const Index3& origin : fine.origins) origins.push_back(coarseOrigin(fine, origin));
+    const auto key = [](const Index3& a) { return std::make_tuple(a.x, a.y, a.z); };
+    std::sort(origins.begin(), origins.end(), [&](const Index3& a, const Index3& b) { return key(a) < key(b); });
+    origins.erase(std::unique(origins.begin(), origins.end(),
+                              [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
+                  origins.end());
+    return origins;
+}
+
+BrickLayout coarseLayout(const BrickLayout& fine) {
+    BrickLayout coarse;
+    coarse.origins = coarseOrigins(fine);
+    coarse.low = coarse.high = coarse.origins.front();
+    for (const Index3& origin : coarse.origins)
+        for (int axis = 0; axis < 3; ++axis) {
+            coarse.low[axis] = std::min(coarse.low[axis], origin[axis]);
+            coarse.high[axis] = std::max(coarse.high[axis], origin[axis] + kBrickEdge);
+        }
+    coarse.worldFromIndex = fine.worldFromIndex * double(kFactor);
+    coarse.voxelVolume = fine.voxelVolume * (kFactor * kFactor * kFactor);
+    coarse.activeVoxels = coarse.brickCount() * kBrickVoxels;
+    return coarse;
+}
+
+}  // namespace
+
+std::size_t coarseBrickCount(const BrickLayout& fine) {
+    return coarseOrigins(fine).size();
+}
+
+template <class Visit>
+void CoarseLevel::forEachVoxel(const SolverState& fine, std::size_t b, const Visit& visit) const {
+    const BrickLayout& layout = fine.volume.layout;
+    const Index3 first = (layout.origins[b] - layout.low) / kFactor - state.volume.layout.origins[parents_[b]];
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        const Index3 at(first.x + (i >> 6) / kFactor, first.y + ((i >> 3) & 7) / kFactor, first.z + (i & 7) / kFactor);
+        visit(i, int(offsetInBrick(at)));
+    }
+}
+
+CoarseLevel::CoarseLevel(const SolverState& fine) : state(coarseLayout(fine.volume.layout), {false, false, false}) {
+    state.exchange = fine.exchange;
+    state.channels = fine.channels;
+    state.powerUnit = fine.powerUnit;
+    state.perInjection = fine.perInjection;
+    state.uniformAlbedo = fine.uniformAlbedo;
+    const std::vector<Index3>& origins = fine.volume.layout.origins;
+    for (const Index3& origin : origins)
+        parents_.push_back(state.volume.map.find(coarseOrigin(fine.volume.layout, origin)));
+
+    const std::size_t bricks = state.volume.layout.brickCount();
+    state.zero = BrickField(1);
+    state.tau = BrickField(bricks);
+    // Of the eight voxels that a coarse one replaces the mean extinction, over a step twice as long.
+    constexpr float kMean = float(kFactor) / float(kFactor * kFactor * kFactor);
+    parallelFor(
+        origins.size(),
+        [&](std::size_t b) {
+            float* const to = state.tau.brick(parents_[b]);
+            forEachVoxel(fine, b, [&](int i, int j) { to[j] += kMean * fine.tau.brick(b)[i]; });
+        },
+        kGrain);
+    for (int c = 0; c < state.channels; ++c) {
+        state.albedo[c] = BrickField(fine.uniformAlbedo ? 1 : bricks);
+        if (fine.uniformAlbedo) std::copy_n(fine.albedo[c].brick(0), kBrickVoxels, state.albedo[c].brick(0));
+        if (fine.hasSource()) state.source[c] = BrickField(bricks);
+        parallelFor(
+            origins.size(),
+            [&](std::size_t b) {
+                forEachVoxel(fine, b, [&](int i, int j) {
+                    const std::uint32_t parent = parents_[b];
+                    if (fine.hasSource()) state.source[c].brick(parent)[j] += fine.source[c].brick(b)[i];
+                    const float tau = state.tau.brick(parent)[j];
+                    if (!fine.uniformAlbedo && tau > 0)
+                        state.albedo[c].brick(parent)[j] +=
+                            fine.albedo[c].brick(b)[i] * kMean * fine.tau.brick(b)[i] / tau;
+                });
+            },
+            kGrain);
+        started_[c] = BrickField(bricks);
+        changeDeposit_[c] = BrickField(bricks);
+        changeUnshot_[c] = BrickField(bricks);
+    }
+}
+
+void CoarseLevel::start(SolverState& fine, double shot) {
+    parallelFor(
+        parents_.size(),
+        [&](std::size_t b) {
+            const std::uint32_t parent = parents_[b];
+            alignas(64) float area[kBrickVoxels], coarseArea[kBrickVoxels], g[kBrickVoxels];
+            absorbingAreas(fine, b, area);
+            absorbingAreas(state, parent, coarseArea);
+            for (int c = 0; c < fine.channels; ++c) {
+                effectiveAlbedos(fine, c, b, g);
+                const float* const total = state.total[c].brick(parent);
+                const float* const recent = state.recent[c].brick(parent);
+                float* const unshot = fine.unshot[c].brick(b);
+                forEachVoxel(fine, b, [&](int i, int j) {
+                    double arriving = 0;
+                    if (coarseArea[j] > 0)
+                        arriving = (double(total[j]) + double(recent[j])) / std::max(1, state.injections) *
+                                   double(area[i]) / double(coarseArea[j]) * double(g[i]);
+                    if (fine.hasSource()) arriving += double(fine.source[c].brick(b)[i]);
+                    unshot[i] = float(arriving / shot);
+                    started_[c].brick(parent)[j] += unshot[i];
+                });
+            }
+        },
+        kGrain);
+}
+
+void CoarseLevel::takeChange(const SolverState& fine, int sign) {
+    const std::size_t bricks = state.volume.layout.brickCount();
+    for (int c = 0; c < state.channels; ++c) {
+        state.unshot[c] = BrickField(bricks);
+        state.total[c] = BrickField(bricks);
+        state.recent[c] = BrickField(bricks);
+        BrickField& change = state.unshot[c];
+        parallelFor(
+            parents_.size(),
+            [&](std::size_t b) {
+                forEachVoxel(fine, b,
+                             [&](int i, int j) { change.brick(parents_[b])[j] += fine.unshot[c].brick(b)[i]; });
+            },
+            kGrain);
+        parallelFor(
+            bricks,
+            [&](std::size_t b) {
+                float* const values = change.brick(b);
+                for (int i = 0; i < kBrickVoxels; ++i)
+                    values[i] = std::max(0.0f, float(sign) * (values[i] - started_[c].brick(b)[i]));
+            },
+            kGrain);
+    }
+    state.swept = {};
+}
+
+void CoarseLevel::bookChange(int sign) {
+    state.injections = 1;
+    state.perInjection = {};
+    const PowerBalance became = balance(state);
+    for (int c = 0; c < state.channels; ++c) {
+        changed_.absorbed[c] += sign * became.absorbed[c];
+        changed_.escaped[c] += sign * became.escaped[c];
+        changed_.unshot[c] += sign * became.unshot[c];
+        parallelFor(
+            state.volume.layout.brickCount(),
+            [&](std::size_t b) {
+                for (int i = 0; i < kBrickVoxels; ++i) {
+                    const float deposit = state.total[c].brick(b)[i] + state.recent[c].brick(b)[i];
+                    changeDeposit_[c].brick(b)[i] += float(sign) * deposit;
+                    changeUnshot_[c].brick(b)[i] += float(sign) * state.unshot[c].brick(b)[i];
+                }
+            },
+            kGrain);
+    }
+}
+
+PowerBalance CoarseLevel::settle(SolverState& fine) {
+    PowerBalance power = balance(fine);
+    for (int c = 0; c < fine.channels; ++c) {
+        power.absorbed[c] += changed_.absorbed[c] / fine.injections;
+        power.escaped[c] += changed_.escaped[c] / fine.injections;
+        power.unshot[c] = changed_.unshot[c] / fine.injections;
+    }
+    BrickField areas(state.volume.layout.brickCount());  // of the fine voxels in a coarse one
+    const auto forEachBrick = [&](const auto& visit) { parallelFor(parents_.size(), visit, kGrain); };
+    forEachBrick([&](std::size_t b) {
+        alignas(64) float area[kBrickVoxels];
+        absorbingAreas(fine, b, area);
+        forEachVoxel(fine, b, [&](int i, int j) { areas.brick(parents_[b])[j] += area[i]; });
+    });
+    forEachBrick([&](std::size_t b) {
+        const std::uint32_t parent = parents_[b];
+        alignas(64) float area[kBrickVoxels];
+        absorbingAreas(fine, b, area);
+        for (int c = 0; c < fine.channels; ++c)
+            forEachVoxel(fine, b, [&](int i, int j) {
+                const float sum = areas.brick(parent)[j], part = sum > 0 ? area[i] / sum : 0;
+                fine.unshot[c].brick(b)[i] = std::max(0.0f, changeUnshot_[c].brick(parent)[j]) * part;
+                float& recent = fine.recent[c].brick(b)[i];
+                recent = std::max(-fine.total[c].brick(b)[i], recent + changeDeposit_[c].brick(parent)[j] * part);
+            });
+    });
+    return power;
+}
+
+}  // namespace raysweep

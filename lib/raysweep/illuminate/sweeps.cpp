@@ -1,0 +1,287 @@
+#include "raysweep/illuminate/sweeps.h"
+
+#include "raysweep/illuminate/answer.h"
+#include "raysweep/illuminate/coarse_level.h"
+#include "raysweep/illuminate/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace raysweep {
+namespace {
+
+constexpr int kFoldInterval = 20;       ///< the paper's delta i: sweeps between estimates that are compared
+constexpr int kFewestSweeps = 40;       ///< two estimates at least
+constexpr int kFinishInterval = 4;      ///< finishing sweeps between looks at what is left
+constexpr int kCoarseSweeps = 80;
+constexpr std::size_t kFewestBricks = 8;  ///< that a coarse level is worth while for
+constexpr std::size_t kFewestMerged = 3;  ///< bricks that become one, on average
+constexpr int kMostFinishing = 100000;  ///< a stop for media that lose power ever so slowly
+
+/// Mean optical depth of a voxel from which on those twice as long are thick.
+constexpr double kThickVoxels = 0.3;
+
+/// What one sweep may draw on.
+enum class Inject { everything, nothing };
+
+/// How unshot power is shot.
+struct Pace {
+    double zeta;  ///< the part of it in a sweep of `beams` beams
+    int beams;    ///< at most
+};
+
+constexpr Pace kSettling{0.5, 1};  ///< of a change on a coarse level
+
+bool isPeriodic(const IlluminateOptions& options) {
+    return options.periodic[0] || options.periodic[1] || options.periodic[2];
+}
+
+/// A coarse level averages what is in a voxel: surfaces would be lost. The paper's way is to begin in the dark. And where
+/// bricks are scattered, as many coarse ones would be just as much work.
+bool startsCoarse(const SolverState& state, const IlluminateOptions& options) {
+    return options.coarseStart && options.remaining == Remaining::shoot && !isPeriodic(options) &&
+           state.surfaces.empty() && state.exchange == ExchangeModel::consistent &&
+           state.volume.layout.brickCount() >= kFewestBricks &&
+           coarseBrickCount(state.volume.layout) * kFewestMerged <= state.volume.layout.brickCount();
+}
+
+/// Of voxels that are not empty.
+double meanDepth(const SolverState& state) {
+    const double sum = sumOf(state.tau), count = double(std::max<std::size_t>(1, state.volume.layout.activeVoxels));
+    return sum / count;
+}
+
+/// What the options leave open. Begun in the dark, a small zeta wastes sweeps until as much is under way as there will
+/// be. Begun from a coarse solution it averages over more directions what is scattered more than once; where voxels are
+/// thick that solution is not that good, and power should move on. Measured with bench/quality.
+Pace paceOf(const SolverState& state, const IlluminateOptions& options, bool coarse) {
+    Pace pace{0.5, 1};
+    if (coarse) pace = meanDepth(state) > kThickVoxels ? Pace{0.2, 1} : Pace{0.1, 4};
+    if (options.zeta > 0) pace.zeta = options.zeta;
+    if (options.beams > 0) pace.beams = options.beams;
+    if (isPeriodic(options)) pace.beams = 1;
+    return pace;
+}
+
+/// Directions of a class have their major axis and all signs of travel in common.
+int classOf(const Vec3& inIndex) {
+    return majorAxis(inIndex) * 8 + (inIndex.x < 0 ? 4 : 0) + (inIndex.y < 0 ? 2 : 0) + (inIndex.z < 0 ? 1 : 0);
+}
+
+class Solver {
+  public:
+    Solver(const Scene& scene, const IlluminateOptions& options, SolverState& state, const Pace& pace)
+        : scene_(scene),
+          options_(options),
+          state_(state),
+          zeta_(pace.zeta / pace.beams),
+          mostBeams_(pace.beams),
+          directions_({options.directions, options.batch, options.seed, mostBeams_,
+                       options.tolerance > 0 ? 0 : options.sweeps},
+                      [inverse = state.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
+                          return classOf(direction * inverse);
+                      }),
+          offsets_(options.seed ^ 0x9e3779b97f4a7c15ull) {}
+
+    /// Sweeps the next directions that go together, `most` or fewer. @return their number
+    int sweepNext(Inject inject, int most) {
+        const std::vector<Vec3> directions = directions_.nextGroup(most);
+        std::vector<Beam> beams;
+        for (const Vec3& direction : directions) beams.push_back(nextBeam(direction, inject));
+        const ExchangeStep step = exchangeStep(state_, zeta_, mostBeams_);
+        const ExchangeFields fields = exchangeFields(state_, inject == Inject::everything);
+        const std::vector<RaySums> sums = sweep(state_.volume, beams, options_.interpolation, fields, step);
+        if (options_.interpolation == Interpolation::linear) settle(state_.volume, beams, fields, step);
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            for (int c = 0; c < state_.channels; ++c) {
+                state_.swept.injected[c] += sums[i].entered[c];
+                state_.swept.escaped[c] += sums[i].escaped[c];
+            }
+            if (options_.afterSweep) options_.afterSweep(directions[i], inWatts(sums[i]));
+        }
+        if (inject == Inject::everything) state_.injections += int(beams.size());
+        return int(beams.size());
+    }
+
+    /// Part of the unshot power of a voxel that a beam shoots, on average over directions.
+    double shotByBeam() const { return zeta_; }
+
+    /// Power that was unshot, though never injected, before the first sweep.
+    void startsWith(double unshot) { started_ = unshot; }
+    bool hasStart() const { return started_ > 0; }
+    /// Unshot power as part of all that was injected.
+    double unshotShare() const {
+        const double injected = injectedSoFar();
+        return injected > 0 ? std::max(0.0, unshotPower(state_).sum() - started_) / injected : 0;
+    }
+
+    double injectedSoFar() const {
+        double sum = 0;
+        for (int c = 0; c < state_.channels; ++c)
+            sum += state_.perInjection.injected[c] * state_.injections + state_.swept.injected[c];
+        return sum;
+    }
+
+  private:
+    Beam nextBeam(const Vec3& direction, Inject inject) {
+        const int reach = options_.interpolation == Interpolation::linear ? 1 : 0;
+        const double column = uniform01(offsets_), row = uniform01(offsets_);
+        Beam beam = darkBeam(state_, parallelFront(state_.volume.layout, direction, reach, column, row,
+                                                   state_.volume.periodic));
+        if (inject == Inject::everything) setSky(beam, direction);
+        return beam;
+    }
+
+    /// A single direction stands for the whole sphere: rays carry the radiance over 4 pi steradians.
+    void setSky(Beam& beam, const Vec3& direction) const {
+        const Color factor = scene_.sky.profile ? scene_.sky.profile(direction) : grey(1);
+        for (int c = 0; c < state_.channels; ++c)
+            beam.entering[c] = float(double(scene_.sky.radiance[c]) * std::max(0.0, double(factor[c])) * 4 * kPi *
+                                     beam.front.crossSection / state_.powerUnit);
+    }
+
+    RaySums inWatts(RaySums totals) const {
+        for (int c = 0; c < kMaxChannels; ++c) {
+            totals.entered[c] *= state_.powerUnit;
+            totals.escaped[c] *= state_.powerUnit;
+        }
+        return totals;
+    }
+
+    const Scene& scene_;
+    const IlluminateOptions& options_;
+    SolverState& state_;
+    const double zeta_;
+    const int mostBeams_;
+    double started_ = 0;
+    DirectionSequence directions_;
+    std::mt19937_64 offsets_;
+};
+
+/// Sweeps from `n` on to where something is to be looked at.
+int sweepsToNextStop(int n, const IlluminateOptions& options) {
+    int most = std::min(options.sweeps - n, kFoldInterval - n % kFoldInterval);
+    if (options.snapshotEvery > 0) most = std::min(most, options.snapshotEvery - n % options.snapshotEvery);
+    return most;
+}
+
+/// Sweeps until the estimate stands still. @return how it ended
+Termination iterate(Solver& solver, SolverState& state, const Scene& scene, const IlluminateOptions& options,
+                    const ProgressCallback& progress, std::vector<ConvergencePoint>& history) {
+    double done = 0;
+    while (state.injections < options.sweeps) {
+        solver.sweepNext(Inject::everything, sweepsToNextStop(state.injections, options));
+        const int n = state.injections;
+        if (n % kFoldInterval == 0) {
+            const double rms = foldDeposits(state, kFoldInterval);
+            history.push_back({n, rms, solver.unshotShare()});
+            if (n >= kFewestSweeps && rms < options.tolerance) return Termination::converged;
+            // The difference falls like 1/n, so this is about the part of the sweeps that are done.
+            if (rms > 0) done = std::max(done, std::min(1.0, options.tolerance / rms));
+        }
+        if (options.snapshot && options.snapshotEvery > 0 && n % options.snapshotEvery == 0)
+            options.snapshot(n, snapshotGrid(state, scene, /*spread=*/!solver.hasStart()));
+        if (!report(progress, "sweeping", std::max(done, double(n) / options.sweeps))) return Termination::interrupted;
+    }
+    return options.tolerance > 0 ? Termination::sweepLimit : Termination::converged;
+}
+
+/// Deposits all unshot power where it is likely to belong; what is scattered of it stays unshot.
+void spreadRemaining(SolverState& state) {
+    for (int c = 0; c < state.channels; ++c) {
+        const BrickField deposit = spreadUnshot(state, c);
+        if (deposit.empty()) continue;  // nowhere to put it: it stays unshot
+        for (std::size_t b = 0; b < state.volume.layout.brickCount(); ++b) {
+            alignas(64) float g[kBrickVoxels];
+            effectiveAlbedos(state, c, b, g);
+            for (int i = 0; i < kBrickVoxels; ++i) {
+                state.recent[c].brick(b)[i] += deposit.brick(b)[i];
+                state.unshot[c].brick(b)[i] = g[i] * deposit.brick(b)[i];
+            }
+        }
+    }
+}
+
+/// Sweeps without injecting until no more than `enough` power is unshot. @return the number of sweeps
+int shootRemaining(Solver& solver, SolverState& state, double enough, const ProgressCallback& progress,
+                   Termination& termination) {
+    const double first = unshotPower(state).sum();
+    int sweeps = 0;
+    for (double left = first; left > enough;) {
+        if (sweeps >= kMostFinishing) {
+            termination = Termination::sweepLimit;
+            break;
+        }
+        for (const int end = sweeps + kFinishInterval; sweeps < end;)
+            sweeps += solver.sweepNext(Inject::nothing, end - sweeps);
+        foldDeposits(state, 0);
+        left = unshotPower(state).sum();
+        const double done = std::log(first / left) / std::log(first / enough);
+        if (!report(progress, "finishing", std::min(1.0, std::max(0.0, done)))) {
+            termination = Termination::interrupted;
+            break;
+        }
+    }
+    return sweeps;
+}
+
+/// Solves a coarse level (which may start from one coarser still), and lets `state` begin where that has ended.
+std::unique_ptr<CoarseLevel> startFromCoarse(SolverState& state, Solver& solver, const Scene& scene,
+                                             const IlluminateOptions& options, const ProgressCallback& progress) {
+    auto coarse = std::make_unique<CoarseLevel>(state);
+    IlluminateOptions onCoarse = options;
+    onCoarse.sweeps = kCoarseSweeps;
+    onCoarse.tolerance = 0;
+    onCoarse.snapshotEvery = 0;
+    onCoarse.afterSweep = {};
+    onCoarse.seed = options.seed + 1;
+    Illumination result;
+    runSweeps(result, coarse->state, scene, onCoarse, [&](const std::string&, double) { return report(progress, "coarse start", 0); });
+    coarse->start(state, solver.shotByBeam());
+    solver.startsWith(unshotPower(state).sum());
+    return coarse;
+}
+
+/// Settles on the coarse level what has become more or less under way in `state` since the start.
+/// @return the books of `state`
+PowerBalance settleOnCoarse(CoarseLevel& coarse, SolverState& state, double enough, const Scene& scene,
+                            const IlluminateOptions& options, const ProgressCallback& progress,
+                            Termination& termination) {
+    for (const int sign : {1, -1}) {
+        coarse.takeChange(state, sign);
+        Solver solver(scene, options, coarse.state, kSettling);  // the same directions for both: their noise is the same
+        shootRemaining(solver, coarse.state, enough, progress, termination);
+        coarse.bookChange(sign);
+    }
+    return coarse.settle(state);
+}
+
+}  // namespace
+
+void runSweeps(Illumination& result, SolverState& state, const Scene& scene, const IlluminateOptions& options,
+               const ProgressCallback& progress) {
+    Timer timer;
+    allocateSweepFields(state, options);
+    const bool fromCoarse = startsCoarse(state, options);
+    Solver solver(scene, options, state, paceOf(state, options, fromCoarse));
+    std::unique_ptr<CoarseLevel> coarse;
+    if (fromCoarse) coarse = startFromCoarse(state, solver, scene, options, progress);
+    result.seconds.coarse = timer.seconds();
+    result.termination = iterate(solver, state, scene, options, progress, result.history);
+    result.seconds.sweeps = timer.seconds() - result.seconds.coarse;
+    const bool shoot = options.remaining == Remaining::shoot, stopped = result.termination == Termination::interrupted;
+    const double enough = options.unshotShare * solver.injectedSoFar();
+    if (coarse)
+        result.power = settleOnCoarse(*coarse, state, enough, scene, options, progress, result.termination);
+    else if (shoot && !stopped)
+        result.finishingSweeps = shootRemaining(solver, state, enough, progress, result.termination);
+    // Asked to stop, spreading is the quickest way to an answer that has all the power.
+    else if (options.remaining != Remaining::drop)
+        spreadRemaining(state);
+    if (!coarse) result.power = balance(state);
+    result.seconds.finish = timer.seconds() - result.seconds.coarse - result.seconds.sweeps;
+    result.sweeps = state.injections;
+}
+
+}  // namespace raysweep

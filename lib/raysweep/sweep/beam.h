@@ -1,0 +1,17 @@
+/// A front with what goes with its direction, and what its rays carry when they enter the volume.
+#pragma once
+
+#include "raysweep/sweep/ray_front.h"
+
+namespace raysweep {
+
+constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
+
+struct Beam {
+    RayFront front;
+    float stepScale = 1;                 ///< step length / mean step length
+    float entering[kMaxChannels] = {0};  ///< power of a ray when it enters the volume, W
+    float furnaceRay = 1;                ///< what a ray of radiance 1 adds to the local furnace
+};
+
+}  // namespace raysweep

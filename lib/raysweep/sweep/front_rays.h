@@ -1,0 +1,60 @@
+/// The rays of one beam while they go through the volume.
+#pragma once
+
+#include "raysweep/sweep/beam.h"
+#include "raysweep/sweep/tile_index.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace raysweep {
+
+/// Ray powers summed over a beam's rays at both ends, W.
+struct RaySums {
+    double entered[kMaxChannels] = {0};
+    double escaped[kMaxChannels] = {0};
+};
+
+/// Powers of the rays that may meet a brick, lattice row by lattice row: of each row the stretch from the first to the
+/// last one that does. In a periodic volume they are all there. With the local furnace there are two more planes.
+class FrontRays {
+  public:
+    /// @param margin rays next to the lattice that kernels touch too; they stay dark
+    FrontRays(const Beam& beam, const TileIndex& index, int margin, int channels, bool furnace);
+
+    /// Ray u of lattice row v is at `power() + rowStarts()[v] + u`; the next channel's are `planeStride` on.
+    float* power() { return rays_.data(); }
+    const std::ptrdiff_t* rowStarts() const { return starts_.data() - rows_.begin; }
+    std::size_t planeStride() const { return plane_; }
+    /// Planes of f, and of the slice in which a ray was in a solid last.
+    float* furnace() { return power() + std::size_t(channels_) * plane_; }
+    float* lastSlice() { return furnace() + plane_; }
+    /// `Lateral::shift` of slice k.
+    int columnShift(int k) const { return columnShifts_[std::size_t(k)]; }
+    int rowShift(int k) const { return rowShifts_[std::size_t(k)]; }
+
+    /// Gives every ray that enters the volume its power.
+    /// @param arriving rays from the repetition before, in a volume that is periodic along the sweep's axis, or null
+    void enter(const Beam& beam, CrossingRays* arriving);
+    /// Sums what the rays carry at the end. @param leaving takes those that go on to the next repetition, or null
+    RaySums leave(const Beam& beam, CrossingRays* leaving);
+
+  private:
+    float* row(int v) { return power() + rowStarts()[v]; }
+    RayRange& span(int v) { return spans_[std::size_t(v - rows_.begin)]; }
+    void spanBricks(const RayFront& front, const TileIndex& index);
+    void arrive(const RayFront& front, CrossingRays& arriving);
+    void goOn(const RayFront& front, CrossingRays& leaving);
+
+    int channels_;
+    bool furnace_;
+    RayRange rows_, columns_;
+    std::vector<int> columnShifts_, rowShifts_;
+    std::vector<RayRange> spans_;  ///< of each row
+    std::vector<std::ptrdiff_t> starts_;
+    std::size_t plane_ = 0;
+    double entered_ = 0;  ///< rays that are held here and enter the volume
+    std::vector<float> rays_;
+};
+
+}  // namespace raysweep

@@ -1,0 +1,38 @@
+/// The bricks that a sweep meets, cut into a table of cells: slabs of layers by strips of brick rows, both in the order
+/// of travel. What a ray meets in a cell comes after what it met in the slab before and in the strip before, so cells
+/// can be worked off as a wavefront (parallelWavefront), each by itself.
+#pragma once
+
+#include "raysweep/sweep/exchange.h"
+
+#include <vector>
+
+namespace raysweep {
+
+struct SweepVolume;
+
+class Wavefront {
+  public:
+    /// @param front of any of the beams  @param index with margins, if `withNeighbours`
+    Wavefront(const SweepVolume& volume, const RayFront& front, const TileIndex& index, bool withNeighbours);
+
+    int slabs() const { return slabs_; }
+    int strips() const { return strips_; }
+    /// The bricks of a cell in the order of travel: layers, rows, columns.
+    std::vector<BrickVisit> visits(int slab, int strip) const;
+
+  private:
+    void addRow(const TileIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const;
+    BrickVisit visitOf(const TileIndex::Entry& entry, const TileIndex::Row& row, int columnImage, int rowImage,
+                       int step) const;
+
+    const SweepVolume& volume_;
+    const RayFront& front_;
+    const TileIndex& index_;
+    bool withNeighbours_;
+    bool rowsUp_, columnsUp_;
+    RayRange rows_;  ///< voxel coordinates of all brick rows, with their images
+    int slabs_, strips_, slabSlices_, stripRows_;
+};
+
+}  // namespace raysweep
