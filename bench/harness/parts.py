@@ -103,7 +103,7 @@ def light(context):
                     "--sky", 0.3, "--threads", THREADS, "--report", report, "--quiet")
         wall = time.perf_counter() - start
         told = json.loads(report.read_text())
-        runs.append({"wall": wall, "seconds": told["seconds"], "sweeps": told["sweeps"] + told["sweeps_finishing"],
+        runs.append({"wall": wall, "seconds": told["seconds"], "all_sweeps": told["sweeps"] + told["sweeps_finishing"],
                      "bytes_per_voxel": told["peak_bytes"] / told["voxels_active"], **told["timings"]})
     lit.unlink()
     return runs
