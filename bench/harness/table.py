@@ -91,15 +91,15 @@ def cycles_row(cycles):
     return row
 
 
-def large_row(large):
+def large_row(rounds):
     row = Row("512³ and 1024³-bounding-box clouds (5–20 % active): growth of time per sweep and active voxel from 512³ to "
               "1024³", "linear ± 15 %, within 24 GiB", "", [], 1.15)
-    volumes = {round(float(volume["edge"]), -2): volume for volume in large}
-    if 500 in volumes and 1000 in volumes:
-        small, big = volumes[500], volumes[1000]
-        row.values = [float(big["ns_per_voxel"]) / float(small["ns_per_voxel"])]
-        memory = float(big["bytes_per_voxel"]) / float(small["bytes_per_voxel"])
-        row.note = f"memory {memory:.2f}, {float(big['peak_bytes']) / 2**30:.1f} GiB at its peak"
+    ends = [(volumes["510"], volumes["1020"]) for volumes in rounds if "1020" in volumes]
+    if ends:
+        row.values = [big["ns_per_voxel"] / small["ns_per_voxel"] for small, big in ends]
+        small, big = ends[0]
+        row.note = (f"memory {big['bytes_per_voxel'] / small['bytes_per_voxel']:.2f}, "
+                    f"{big['peak_bytes'] / 2**30:.1f} GiB at its peak")
     return row
 
 
@@ -130,8 +130,8 @@ def sweep_details(runs):
 
 def convergence_details(convergence):
     for line in convergence.get("summary", ()):
-        name = f"sweeps to 1 %, {line['case']}, {line['setting']}"
-        yield name, [float(line["all"])] if line["all"] else []
+        for key, unit in (("all", "sweeps"), ("seconds", "seconds")):
+            yield f"{unit} to 1 %, {line['case']}, {line['setting']}", [float(line[key])] if line[key] else []
         yield f"least error, {line['case']}, {line['setting']}", [float(line["least_error"])]
 
 
@@ -149,10 +149,10 @@ def cycles_details(cycles):
         yield f"cloud: {key.replace('_', ' ')}", [ours[key]]
 
 
-def large_details(large):
-    for volume in large:
+def large_details(rounds):
+    for edge in rounds[0] if rounds else ():
         for key in ("voxels", "share_of_cube", "share_of_bricks", "ns_per_voxel", "bytes_per_voxel"):
-            yield f"cloud {volume['edge']}³: {key.replace('_', ' ')}", [float(volume[key])]
+            yield f"cloud {edge}³: {key.replace('_', ' ')}", [volumes[edge][key] for volumes in rounds]
 
 
 def light_details(runs):
@@ -167,6 +167,11 @@ def details(results):
             *light_details(results.get("light", []))]
 
 
+def three(values, digits):
+    """Median, least and largest."""
+    return [f"{pick(values):.{digits}g}" for pick in (statistics.median, min, max)] if values else ["", "", ""]
+
+
 def as_markdown(rows_, details_, about):
     lines = [f"# {about['date']}, commit {about['commit']}", "",
              "; ".join(f"{key}: {value}" for key, value in about.items() if key not in ("date", "commit")) + ".", "",
@@ -175,7 +180,7 @@ def as_markdown(rows_, details_, about):
     lines += [f"| {row.what} | {row.asked} | {row.aimed} | {row.reached} |" for row in rows_]
     lines += ["", "| behind it | median | least | largest |", "| --- | --- | --- | --- |"]
     for name, values in details_:
-        cells = [f"{pick(values):.5g}" for pick in (statistics.median, min, max)] if values else ["not reached", "", ""]
+        cells = three(values, 5) if values else ["not reached", "", ""]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
@@ -185,12 +190,11 @@ def as_csv(rows_, details_, about):
     text = io.StringIO()
     out = csv.writer(text, lineterminator="\n")
     out.writerow(["kind", "what", "asked", "aimed", "median", "least", "largest", "met", "note"])
-    three = lambda values: [f"{pick(values):.6g}" for pick in (statistics.median, min, max)] if values else ["", "", ""]
     for row in rows_:
         met = "" if row.met is None else "yes" if row.met else "no"
-        out.writerow(["row", row.what, row.asked, row.aimed, *three(row.values), met, row.note])
+        out.writerow(["row", row.what, row.asked, row.aimed, *three(row.values, 6), met, row.note])
     for name, values in details_:
-        out.writerow(["detail", name, "", "", *three(values), "", ""])
+        out.writerow(["detail", name, "", "", *three(values, 6), "", ""])
     for key, value in about.items():
         out.writerow(["about", key, "", "", "", "", "", "", value])
     return text.getvalue()

@@ -43,15 +43,11 @@ double secondsPerSweep(const Scene& scene, int sweeps) {
     return seconds / sweeps;
 }
 
-void measure(const std::string& path, int sweeps, int repetitions) {
+void measure(const std::string& path, int sweeps) {
     const std::size_t before = residentBytes();
     const openvdb::FloatGrid::Ptr density = selectDensity(readVdb(path));
-    const Scene scene = sceneOf(density);
-    std::vector<double> seconds{secondsPerSweep(scene, sweeps)};
-    const std::size_t peak = peakResidentBytes();  // a later run may find memory in pieces
-    while (int(seconds.size()) < repetitions) seconds.push_back(secondsPerSweep(scene, sweeps));
-    std::sort(seconds.begin(), seconds.end());
-    const double median = seconds[seconds.size() / 2];
+    const double seconds = secondsPerSweep(sceneOf(density), sweeps);
+    const std::size_t peak = peakResidentBytes();
 
     const auto voxels = double(density->activeVoxelCount());
     const openvdb::Coord box = density->evalActiveVoxelDim();
@@ -59,7 +55,7 @@ void measure(const std::string& path, int sweeps, int repetitions) {
     std::printf(
         "edge,voxels,share_of_cube,share_of_bricks,seconds_per_sweep,ns_per_voxel,bytes_per_voxel,peak_bytes\n");
     std::printf("%g,%.0f,%.4f,%.4f,%.6g,%.4f,%.2f,%zu\n", edge, voxels, voxels / (edge * edge * edge),
-                voxels / (512 * bricks), median, 1e9 * median / voxels, double(peak - before) / voxels, peak);
+                voxels / (512 * bricks), seconds, 1e9 * seconds / voxels, double(peak - before) / voxels, peak);
 }
 
 }  // namespace
@@ -67,15 +63,12 @@ void measure(const std::string& path, int sweeps, int repetitions) {
 int main(int argc, char** argv) {
     CLI::App app("Seconds per sweep and bytes, the input included, per active voxel");
     std::string file;
-    int sweeps = 32, repetitions = 3;
+    int sweeps = 32;
     app.add_option("file", file, "Fog volume without tiles")->required();
     app.add_option("--sweeps", sweeps, "That are timed")->check(CLI::PositiveNumber)->capture_default_str();
-    app.add_option("--repetitions", repetitions, "Whose median is told")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     try {
-        measure(file, sweeps, repetitions);
+        measure(file, sweeps);
     } catch (const std::exception& e) {
         std::fprintf(stderr, "raysweep_large: %s\n", e.what());
         return 1;
