@@ -21,8 +21,8 @@ REFERENCE_SWEEPS, REFERENCE_SEED = 4096, 1000
 
 def raysweep_light(context, cloud, lit, sweeps, seed, threads):
     context.run("raysweep", "light", cloud, "-o", lit, "--extinction", EXTINCTION, "--albedo", ALBEDO, "--sun",
-                ",".join(map(str, SUN)), "--sky", SKY, "--sweeps", sweeps, "--tolerance", 0, "--seed", seed, "--threads",
-                threads, "--quiet", "--report", lit.with_suffix(".light.json"))
+                ",".join(map(str, SUN)), "--sky", SKY, "--sweeps", sweeps, "--tolerance", 0, "--seed", seed,
+                "--threads", threads, "--quiet", "--report", lit.with_suffix(".light.json"))
 
 
 def raysweep_render(context, lit, threads):

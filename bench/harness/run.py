@@ -18,8 +18,8 @@ ROOT = Path(__file__).resolve().parents[2]
 def parse_arguments():
     parser = argparse.ArgumentParser(prog="bench/run.sh", description="Measures speed and accuracy against time.")
     parser.add_argument("--only", metavar="PART,...", default=",".join(PARTS),
-                        help=f"parts to run, of {', '.join(PARTS)}; rows of others are taken from an earlier run of the "
-                        "same commit, if it had no changes")
+                        help=f"parts to run, of {', '.join(PARTS)}; rows of others are taken from an earlier run of "
+                        "the same commit, if it had no changes")
     parser.add_argument("--quick", action="store_true",
                         help="fewer repetitions and smaller volumes, to see that it works; nothing is stored")
     args = parser.parse_args()
