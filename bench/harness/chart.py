@@ -46,7 +46,7 @@ set label 1 'Time of one sweep of all voxels, two cores' at screen 0.5,0.94 cent
 set label 2 'as multiples of the time that memory takes to stream the voxels once (dashed)' \\
     at screen 0.5,{1 - 50 / (130 + 46 * len(bars)):.3f} center font ',13'
 set tmargin 4
-set xrange [0:{max(1.5 * widest, 1.3)}]
+set xrange [0:{max(1.7 * widest, 1.3)}]
 set yrange [0.4:{len(bars) + 0.6}]
 set border 1
 set xtics nomirror
