@@ -145,7 +145,8 @@ class RayMarcher {
             const Vec3d p = line_.at(timeOf(k));
             const Coord origin = Coord(floorToInt(p.x()), floorToInt(p.y()), floorToInt(p.z())) & ~(kBlockCells - 1);
             const std::int64_t last = std::clamp(ceilToInt(leaves(origin) / options_.step - 0.5), k + 1, end);
-            if (!crossBlock(origin, k, last, state)) return false;
+            const float* const block = blockAt(origin);
+            if (block && !crossBlock(block, origin, k, last, state)) return false;
             k = last;
         }
         nextStep_ = std::max(nextStep_, end);
@@ -166,11 +167,10 @@ class RayMarcher {
     }
 
     /// Takes steps k to `end`, which lie in the block at `origin`.
-    bool crossBlock(const Coord& origin, std::int64_t k, std::int64_t end, RayState& state) {
+    bool crossBlock(const float* block, const Coord& origin, std::int64_t k, std::int64_t end, RayState& state) {
         BlockSteps steps;
         steps.depth = stepDepth_;
         for (int axis = 0; axis < 3; ++axis) steps.perStep[axis] = float(line_.direction[axis] * options_.step);
-        const float* const block = blockAt(origin);
         StepValues<kChannels> found;
         for (; k < end; k += steps.count) {
             const Vec3d p = line_.at(timeOf(k)) - origin.asVec3d();
@@ -182,8 +182,10 @@ class RayMarcher {
         return true;
     }
 
+    /// Null where there is nothing; the first and the last step of a span may reach out of it.
     const float* blockAt(const Coord& origin) {
-        const int number = numbers_.getValue(origin);
+        int number = kNoBlock;
+        if (!numbers_.probeValue(origin, number)) return nullptr;
         if (number != kNoBlock) return volume_.blocks.block(number);
         // In a large tile, or close to one.
         densities_.fill(origin, filled_, kChannels);
