@@ -59,38 +59,33 @@ HWY_INLINE void interpolate(const float* corner, float x, float y, float z, floa
     for (int c = 0; c < kChannels; ++c) value[c] = edge[c] + (edge[kChannels + c] - edge[c]) * z;
 }
 
-/// Without cancellation: a step through thin smoke has an optical depth far below a float's epsilon.
-HWY_INLINE void findOpacities(const BlockSteps& steps, const float* densities, float* opacity) {
-    for (int i = 0; i < steps.count; i += int(hn::Lanes(kFloats))) {
-        const auto density = hn::Max(hn::Load(kFloats, densities + i), hn::Zero(kFloats));
-        const auto depth = hn::Mul(density, hn::Set(kFloats, steps.depth));
-        hn::StoreU(hn::Neg(hn::Expm1(kFloats, hn::Neg(depth))), kFloats, opacity + i);
-    }
-}
-
 template <int kChannels>
-HWY_INLINE void sample(const float* block, const BlockSteps& steps, StepValues<kChannels>& values) {
+HWY_INLINE void sample(const float* block, const BlockSteps& steps, StepValue<kChannels>* values) {
     StepCells cells;
     findCells(steps, kChannels, cells);
-    alignas(64) float densities[kMostSteps];
-    for (int i = 0; i < steps.count; ++i) {
-        interpolate(block + cells.corner[i], cells.within[0][i], cells.within[1][i], cells.within[2][i],
-                    values.value[i]);
-        densities[i] = values.value[i][0];
-    }
-    findOpacities(steps, densities, values.opacity);
+    for (int i = 0; i < steps.count; ++i)
+        interpolate(block + cells.corner[i], cells.within[0][i], cells.within[1][i], cells.within[2][i], values[i]);
 }
 
 }  // namespace
 
-void sampleSteps1(const float* block, const BlockSteps& steps, StepValues<1>& values) {
-    sample(block, steps, values);
+void sampleSteps1(const float* block, const BlockSteps& steps, StepValue<1>* values) {
+    sample<1>(block, steps, values);
 }
-void sampleSteps2(const float* block, const BlockSteps& steps, StepValues<2>& values) {
-    sample(block, steps, values);
+void sampleSteps2(const float* block, const BlockSteps& steps, StepValue<2>* values) {
+    sample<2>(block, steps, values);
 }
-void sampleSteps4(const float* block, const BlockSteps& steps, StepValues<4>& values) {
-    sample(block, steps, values);
+void sampleSteps4(const float* block, const BlockSteps& steps, StepValue<4>* values) {
+    sample<4>(block, steps, values);
+}
+
+/// Without cancellation: a step through thin smoke has an optical depth far below a float's epsilon.
+void opacitiesOf(const float* densities, int count, float depth, float* opacities) {
+    for (int i = 0; i < count; i += int(hn::Lanes(kFloats))) {
+        const auto density = hn::Max(hn::Load(kFloats, densities + i), hn::Zero(kFloats));
+        const auto minusTau = hn::Mul(density, hn::Set(kFloats, -depth));
+        hn::StoreU(hn::Neg(hn::Expm1(kFloats, minusTau)), kFloats, opacities + i);
+    }
 }
 
 }  // namespace HWY_NAMESPACE
@@ -103,19 +98,30 @@ namespace raysweep {
 HWY_EXPORT(sampleSteps1);
 HWY_EXPORT(sampleSteps2);
 HWY_EXPORT(sampleSteps4);
+HWY_EXPORT(opacitiesOf);
 
 template <>
-void sampleSteps(const float* block, const BlockSteps& steps, StepValues<1>& values) {
+void sampleSteps<1>(const float* block, const BlockSteps& steps, StepValue<1>* values) {
     HWY_DYNAMIC_DISPATCH(sampleSteps1)(block, steps, values);
 }
 template <>
-void sampleSteps(const float* block, const BlockSteps& steps, StepValues<2>& values) {
+void sampleSteps<2>(const float* block, const BlockSteps& steps, StepValue<2>* values) {
     HWY_DYNAMIC_DISPATCH(sampleSteps2)(block, steps, values);
 }
 template <>
-void sampleSteps(const float* block, const BlockSteps& steps, StepValues<4>& values) {
+void sampleSteps<4>(const float* block, const BlockSteps& steps, StepValue<4>* values) {
     HWY_DYNAMIC_DISPATCH(sampleSteps4)(block, steps, values);
 }
+
+template <int kChannels>
+void findOpacities(const StepValue<kChannels>* values, int count, float depth, float (&opacities)[kMostSteps]) {
+    alignas(64) float densities[kMostSteps] = {};
+    for (int i = 0; i < count; ++i) densities[i] = values[i][0];
+    HWY_DYNAMIC_DISPATCH(opacitiesOf)(densities, count, depth, opacities);
+}
+template void findOpacities<1>(const StepValue<1>*, int, float, float (&)[kMostSteps]);
+template void findOpacities<2>(const StepValue<2>*, int, float, float (&)[kMostSteps]);
+template void findOpacities<4>(const StepValue<4>*, int, float, float (&)[kMostSteps]);
 
 }  // namespace raysweep
 #endif  // HWY_ONCE

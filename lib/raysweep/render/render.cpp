@@ -141,16 +141,17 @@ class RayMarcher {
     /// Takes the steps that touch [t0,t1] and were not taken yet. @return false when the ray is as good as dark.
     bool crossSpan(double t0, double t1, RayState& state) {
         const auto end = ceilToInt(t1 / options_.step);
-        for (std::int64_t k = std::max(nextStep_, std::int64_t(t0 / options_.step)); k < end;) {
+        std::int64_t k = std::max(nextStep_, std::int64_t(t0 / options_.step));
+        nextStep_ = std::max(nextStep_, end);
+        for (pending_ = 0; k < end;) {
             const Vec3d p = line_.at(timeOf(k));
             const Coord origin = Coord(floorToInt(p.x()), floorToInt(p.y()), floorToInt(p.z())) & ~(kBlockCells - 1);
             const std::int64_t last = std::clamp(ceilToInt(leaves(origin) / options_.step - 0.5), k + 1, end);
             const float* const block = blockAt(origin);
-            if (block && !crossBlock(block, origin, k, last, state)) return false;
+            if (!(block ? crossBlock(block, origin, k, last, state) : takePending(k, state))) return false;
             k = last;
         }
-        nextStep_ = std::max(nextStep_, end);
-        return true;
+        return takePending(end, state);
     }
 
     double timeOf(std::int64_t step) const { return (double(step) + 0.5) * options_.step; }
@@ -166,20 +167,35 @@ class RayMarcher {
         return t;
     }
 
-    /// Takes steps k to `end`, which lie in the block at `origin`.
+    /// Steps k to `end` lie in the block at `origin`. Steps are taken some dozens at a time: a block's own are so few
+    /// that one operation would wait for the other.
     bool crossBlock(const float* block, const Coord& origin, std::int64_t k, std::int64_t end, RayState& state) {
         BlockSteps steps;
-        steps.depth = stepDepth_;
         for (int axis = 0; axis < 3; ++axis) steps.perStep[axis] = float(line_.direction[axis] * options_.step);
-        StepValues<kChannels> found;
-        for (; k < end; k += steps.count) {
+        while (k < end) {
             const Vec3d p = line_.at(timeOf(k)) - origin.asVec3d();
             for (int axis = 0; axis < 3; ++axis) steps.first[axis] = float(p[axis]);
-            steps.count = int(std::min<std::int64_t>(kMostSteps, end - k));
-            sampleSteps(block, steps, found);
-            if (!takeSteps(found, k, steps.count, state)) return false;
+            steps.count = int(std::min<std::int64_t>(kMostSteps - pending_, end - k));
+            sampleSteps<kChannels>(block, steps, values_ + pending_);
+            pending_ += steps.count;
+            k += steps.count;
+            if (pending_ == kMostSteps && !takePending(k, state)) return false;
         }
         return true;
+    }
+
+    /// Takes the steps before step `end` whose values were found.
+    bool takePending(std::int64_t end, RayState& state) {
+        float opacities[kMostSteps];
+        findOpacities<kChannels>(values_, pending_, stepDepth_, opacities);
+        RayState now = state;  // in registers
+        bool on = true;
+        const std::int64_t first = end - pending_;
+        for (int i = 0; i < pending_ && on; ++i)
+            if (opacities[i] > 0) on = takeStep(first + i, opacities[i], radiosityOf(values_[i], first + i), now);
+        state = now;
+        pending_ = 0;
+        return on;
     }
 
     /// Null where there is nothing; the first and the last step of a span may reach out of it.
@@ -191,15 +207,6 @@ class RayMarcher {
         densities_.fill(origin, filled_, kChannels);
         if constexpr (kChannels > 1) radiosities_.fill(origin, filled_ + 1, kChannels);
         return filled_;
-    }
-
-    bool takeSteps(const StepValues<kChannels>& found, std::int64_t k, int count, RayState& state) {
-        RayState now = state;  // in registers
-        bool on = true;
-        for (int i = 0; i < count && on; ++i)
-            if (found.opacity[i] > 0) on = takeStep(k + i, found.opacity[i], radiosityOf(found.value[i], k + i), now);
-        state = now;
-        return on;
     }
 
     typename RadiosityGrid::ValueType radiosityOf(const float (&value)[kChannels], std::int64_t k) {
@@ -249,6 +256,8 @@ class RayMarcher {
     Vec3d perDirection_{0.0};  // 1 / line_.direction
     double worldPerIndex_ = 1;
     float filled_[kChannels * kBlockCorners * kBlockCorners * kBlockCorners];
+    StepValue<kChannels> values_[kMostSteps];  // of steps that are not taken yet
+    int pending_ = 0;
     float stepDepth_ = 0;  // optical depth of a step through density 1
     std::int64_t nextStep_ = 0;
 };
