@@ -175,7 +175,9 @@ int run(Arguments& a) {
     const Camera camera = place(lens, a, *input.density);
 
     const int frames = a.turntable ? a.turntable : 1;
-    double seconds = 0;
+    const Timer timer;
+    const RenderVolume volume(input);
+    double seconds = timer.seconds();
     std::array<double, 4> mean{};
     int done = 0;
     bool complete = true;
@@ -185,7 +187,7 @@ int run(Arguments& a) {
         return report(progress, stage, (done + fraction) / frames);
     };
     for (; done < frames && complete; ++done) {
-        const RenderResult result = render(input, orbit(camera, 2 * kPi * done / frames), a.options, frameProgress);
+        const RenderResult result = render(volume, orbit(camera, 2 * kPi * done / frames), a.options, frameProgress);
         writeFrame(a, result.image, done);
         const std::array<double, 4> sums = channelSums(result.image);
         for (int c = 0; c < 4; ++c) mean[c] += sums[c] / (double(camera.width) * camera.height);

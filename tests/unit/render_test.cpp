@@ -449,6 +449,30 @@ TEST(Render, InactiveValuesAreNoMedium) {
     EXPECT_EQ(zeroWhereInactive(clean), clean) << "no copy without need";
 }
 
+TEST(Render, OneVolumeServesSeveralPictures) {
+    const auto density = noise({Coord(0), Coord(30)});
+    const RenderInput what = input(density, 0.1, box({Coord(-1), Coord(31)}, 2));
+    const RenderVolume volume(what);
+    Camera camera = threeQuarter(*density, 24);
+    for (int frame = 0; frame < 3; ++frame) {
+        camera = orbit(camera, 2);
+        EXPECT_EQ(render(volume, camera).image.pixels, render(what, camera).image.pixels);
+    }
+}
+
+// A huge tile has no blocks of its own but where radiosity has leaves; both kinds meet in one ray.
+TEST(Render, LeavesOfRadiosityInAHugeTile) {
+    FloatGrid::Ptr density = FloatGrid::create();
+    density->tree().addTile(2, Coord(0), 1, true);  // voxels 0..127
+    FloatGrid::Ptr radiosity = FloatGrid::create(1);
+    radiosity->denseFill({Coord(40), Coord(80)}, 1);
+    RenderOptions options;
+    options.background = grey(1);
+    const Image image = render(input(density, 0.02, radiosity), threeQuarter(*density, 24), options).image;
+    EXPECT_LT(worstColour(image, 1), kFloatTolerance);
+    EXPECT_GT(image.at(12, 12)[3], 0.5f);
+}
+
 TEST(Render, StopsWhenAskedTo) {
     const auto density = box({Coord(0), Coord(9)}, 1);
     int calls = 0;

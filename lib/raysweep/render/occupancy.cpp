@@ -1,6 +1,7 @@
 #include "raysweep/render/occupancy.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/render/cell_blocks.h"
 
 #include <atomic>
 #include <cstdint>
@@ -14,7 +15,7 @@ using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::FloatTree;
 using Leaf = FloatTree::LeafNodeType;
-using Accessor = FloatGrid::Accessor;
+using Accessor = openvdb::tree::ValueAccessor<openvdb::Int32Tree, false>;  // not registered: the tree is its own
 
 constexpr int kBlock = 8;  // voxels along a leaf's side
 
@@ -36,7 +37,7 @@ std::uint8_t content(const Leaf& leaf) {
 }
 
 void markBlock(Accessor& marks, const Coord& origin) {
-    if (!marks.isValueOn(origin)) marks.addTile(1, origin, 1.0f, true);
+    if (!marks.isValueOn(origin)) marks.addTile(1, origin, kNoBlock, true);
 }
 
 void markLeaf(Accessor& marks, const Coord& origin, std::uint8_t held) {
@@ -55,14 +56,14 @@ void markBox(Accessor& marks, const CoordBBox& box, int level, int side) {
                 if (level == 1)
                     markBlock(marks, Coord(x, y, z));
                 else
-                    marks.addTile(level, Coord(x, y, z), 1.0f, true);
+                    marks.addTile(level, Coord(x, y, z), kNoBlock, true);
             }
 }
 
 /// Marks a tile and the cells before it. These are marked in tiles one level smaller than the tile itself, so that a
 /// huge tile does not need millions of small blocks.
 void markTile(Accessor& marks, const CoordBBox& tile, int level) {
-    marks.addTile(level, tile.min(), 1.0f, true);
+    marks.addTile(level, tile.min(), kNoBlock, true);
     const int shellLevel = level > 1 ? level - 1 : 1;
     const int side = shellLevel == 1 ? kBlock : 128;
     const Coord low = tile.min().offsetBy(-side), high = tile.max(), first = tile.min();
@@ -103,12 +104,12 @@ std::vector<const Leaf*> leavesOf(const FloatGrid& density) {
 
 }  // namespace
 
-openvdb::FloatTree::Ptr occupancy(const FloatGrid& density) {
+openvdb::Int32Tree::Ptr occupancy(const FloatGrid& density) {
     const std::vector<const Leaf*> leaves = leavesOf(density);
     std::vector<std::uint8_t> held(leaves.size());
     parallelFor(leaves.size(), [&](std::size_t i) { held[i] = content(*leaves[i]); });
 
-    auto tree = std::make_shared<FloatTree>(0.0f);
+    auto tree = std::make_shared<openvdb::Int32Tree>(kNoBlock);
     Accessor marks(*tree);
     markTiles(marks, density);
     for (std::size_t i = 0; i < leaves.size(); ++i) markLeaf(marks, leaves[i]->origin(), held[i]);

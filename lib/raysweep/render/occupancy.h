@@ -8,8 +8,8 @@ namespace raysweep {
 /// A tree whose active tiles of 8^3 voxels or more cover every point at which `density`, interpolated linearly between
 /// voxel centres, can differ from 0. It has no leaves: 8 bytes per block, whatever the density holds. In this tree's
 /// eyes voxel (i,j,k) is the cell [i,i+1) x [j,j+1) x [k,k+1) between eight centres, as math::VolumeHDDA assumes.
-/// Active tiles of `density` count as its voxels do.
-openvdb::FloatTree::Ptr occupancy(const openvdb::FloatGrid& density);
+/// Active tiles of `density` count as its voxels do. All values are kNoBlock (cell_blocks.h).
+openvdb::Int32Tree::Ptr occupancy(const openvdb::FloatGrid& density);
 
 /// `density` itself if it is 0 wherever it is inactive, else a copy in which it is. A level set or a careless tool may
 /// leave other values there; they are no medium.

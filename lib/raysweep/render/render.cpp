@@ -5,6 +5,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/render/block_steps.h"
+#include "raysweep/render/cell_blocks.h"
 #include "raysweep/render/occupancy.h"
 #include "raysweep/render/sampler.h"
 #include "raysweep/volume/voxel_check.h"
@@ -20,14 +22,21 @@
 namespace raysweep {
 namespace {
 
+using openvdb::Coord;
 using openvdb::FloatGrid;
-using openvdb::FloatTree;
+using openvdb::Int32Tree;
 using openvdb::Mat4d;
 using openvdb::Vec3d;
 using openvdb::Vec3SGrid;
 
 constexpr int kTileSide = 16;       // pixels; rays of one tile meet the same nodes
 constexpr int kTilesPerGroup = 64;  // between two calls of the progress callback
+
+/// Smallest integer not below x; std::ceil is as slow as std::floor (sampler.h).
+std::int64_t ceilToInt(double x) {
+    const auto truncated = std::int64_t(x);
+    return truncated + (double(truncated) < x);
+}
 
 Vec3d toVdb(const Vec3& v) {
     return Vec3d(v.x, v.y, v.z);
@@ -37,12 +46,6 @@ void add(Color& sum, float weight, float s) {
 }
 void add(Color& sum, float weight, const openvdb::Vec3s& s) {
     sum += Color(s.x(), s.y(), s.z()) * weight;
-}
-
-/// 1 - exp(-tau) without cancellation for small tau: a step through thin smoke has tau far below a float's epsilon.
-float opacityOf(float tau) {
-    if (tau < 0.0625f) return tau * (1 - tau * (0.5f - tau * (1 / 6.f - tau * (1 / 24.f))));
-    return 1 - std::exp(-tau);
 }
 
 Mat4d affineMatrix(const openvdb::GridBase& grid, const char* name) {
@@ -60,17 +63,18 @@ struct IndexLine {
     Vec3d at(double t) const { return origin + direction * t; }
 };
 
-/// All that is the same for every ray.
-template <class RadiosityGrid>
-struct Scene {
-    const FloatGrid& density;
-    const RadiosityGrid& radiosity;
-    const FloatTree& occupied;
-    openvdb::CoordBBox bounds;  // of `occupied`, exclusive at its upper end
+}  // namespace
+
+struct RenderVolume::Content {
+    FloatGrid::ConstPtr density;  // 0 where inactive
+    openvdb::GridBase::ConstPtr radiosity;
+    double extinctionScale = 1;
     Mat4d densityFromWorld, radiosityFromWorld;
-    double extinctionScale;
-    const RenderOptions& options;
+    CellBlocks blocks;          // of both grids if they share their voxels
+    openvdb::CoordBBox bounds;  // of the blocks, exclusive at its upper end
 };
+
+namespace {
 
 /// What a ray has gathered so far.
 struct RayState {
@@ -78,23 +82,27 @@ struct RayState {
     double transmittance = 1;
 };
 
-/// Follows rays one after another; owns what a thread needs for it.
-template <class RadiosityGrid>
+/// Follows rays one after another; owns what a thread needs for it. Blocks have `kChannels` values at a corner: one is
+/// density alone, more are density and radiosity.
+template <class RadiosityGrid, int kChannels>
 class RayMarcher {
   public:
-    explicit RayMarcher(const Scene<RadiosityGrid>& scene)
-        : scene_(scene),
-          density_(scene.density),
-          around_(scene.density),
-          radiosity_(scene.radiosity),
-          occupied_(scene.occupied) {}
+    RayMarcher(const RenderVolume::Content& volume, const RenderOptions& options)
+        : volume_(volume),
+          options_(options),
+          density_(*volume.density),
+          around_(*volume.density),
+          radiosity_(static_cast<const RadiosityGrid&>(*volume.radiosity)),
+          densities_(*volume.density),
+          radiosities_(static_cast<const RadiosityGrid&>(*volume.radiosity)),
+          numbers_(*volume.blocks.numbers) {}
 
     RayState follow(const Ray& ray) {
         RayState state;
         if (!start(ray)) return state;
         IndexRay segment = ray_;
         while (segment.valid()) {
-            const auto span = hdda_.march(segment, occupied_);
+            const auto span = hdda_.march(segment, numbers_);
             if (!span.valid() || !crossSpan(span.t0, span.t1, state)) break;
             // A nudge, so that rounding does not find the same end again.
             segment = ray_;
@@ -109,45 +117,109 @@ class RayMarcher {
     /// Sets up the ray in index space, t being the length there, so that one step is the same number of voxels in
     /// every direction. @return false if the ray misses the volume.
     bool start(const Ray& ray) {
-        if (scene_.bounds.empty()) return false;
+        if (volume_.bounds.empty()) return false;
         const Vec3d origin = toVdb(ray.origin);
         Vec3d direction = toVdb(ray.direction);
-        worldPerIndex_ = 1 / scene_.densityFromWorld.transform3x3(direction).length();
+        worldPerIndex_ = 1 / volume_.densityFromWorld.transform3x3(direction).length();
         direction *= worldPerIndex_;
-        line_ = IndexLine(scene_.densityFromWorld, origin, direction);
-        radiosityLine_ = IndexLine(scene_.radiosityFromWorld, origin, direction);
+        line_ = IndexLine(volume_.densityFromWorld, origin, direction);
+        radiosityLine_ = IndexLine(volume_.radiosityFromWorld, origin, direction);
         ray_ = IndexRay(line_.origin, line_.direction, 0.0);
-        if (!ray_.clip(scene_.bounds)) return false;
+        if (!ray_.clip(volume_.bounds)) return false;
         // Start over near the volume, a whole number of steps on: the samples stay where they are, but an eye far away
         // costs no digits.
-        const double step = scene_.options.step, skipped = std::floor(ray_.t0() / step) * step;
+        const double step = options_.step, skipped = std::floor(ray_.t0() / step) * step;
+        for (int axis = 0; axis < 3; ++axis) perDirection_[axis] = 1 / line_.direction[axis];
         line_.origin = line_.at(skipped);
         radiosityLine_.origin = radiosityLine_.at(skipped);
         ray_ = IndexRay(line_.origin, line_.direction, ray_.t0() - skipped, ray_.t1() - skipped);
-        stepDepth_ = float(scene_.extinctionScale * step * worldPerIndex_);
+        stepDepth_ = float(volume_.extinctionScale * step * worldPerIndex_);
         nextStep_ = 0;
         return true;
     }
 
     /// Takes the steps that touch [t0,t1] and were not taken yet. @return false when the ray is as good as dark.
     bool crossSpan(double t0, double t1, RayState& state) {
-        const double step = scene_.options.step;
-        const auto end = std::int64_t(std::ceil(t1 / step));
-        for (std::int64_t k = std::max(nextStep_, std::int64_t(std::floor(t0 / step))); k < end; ++k)
-            if (!takeStep((double(k) + 0.5) * step, state)) return false;
+        const auto end = ceilToInt(t1 / options_.step);
+        std::int64_t k = std::max(nextStep_, std::int64_t(t0 / options_.step));
         nextStep_ = std::max(nextStep_, end);
+        for (pending_ = 0; k < end;) {
+            const Vec3d p = line_.at(timeOf(k));
+            const Coord origin = Coord(floorToInt(p.x()), floorToInt(p.y()), floorToInt(p.z())) & ~(kBlockCells - 1);
+            const std::int64_t last = std::clamp(ceilToInt(leaves(origin) / options_.step - 0.5), k + 1, end);
+            const float* const block = blockAt(origin);
+            if (!(block ? crossBlock(block, origin, k, last, state) : takePending(k, state))) return false;
+            k = last;
+        }
+        return takePending(end, state);
+    }
+
+    double timeOf(std::int64_t step) const { return (double(step) + 0.5) * options_.step; }
+
+    /// Where the ray, now in the block at `origin`, leaves it.
+    double leaves(const Coord& origin) const {
+        double t = ray_.t1() + options_.step;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double d = line_.direction[axis];
+            const double side = origin[axis] + (d > 0 ? kBlockCells : 0);
+            if (d != 0) t = std::min(t, (side - line_.origin[axis]) * perDirection_[axis]);
+        }
+        return t;
+    }
+
+    /// Steps k to `end` lie in the block at `origin`. Steps are taken some dozens at a time: a block's own are so few
+    /// that one operation would wait for the other.
+    bool crossBlock(const float* block, const Coord& origin, std::int64_t k, std::int64_t end, RayState& state) {
+        BlockSteps steps;
+        for (int axis = 0; axis < 3; ++axis) steps.perStep[axis] = float(line_.direction[axis] * options_.step);
+        while (k < end) {
+            const Vec3d p = line_.at(timeOf(k)) - origin.asVec3d();
+            for (int axis = 0; axis < 3; ++axis) steps.first[axis] = float(p[axis]);
+            steps.count = int(std::min<std::int64_t>(kMostSteps - pending_, end - k));
+            sampleSteps<kChannels>(block, steps, values_ + pending_);
+            pending_ += steps.count;
+            k += steps.count;
+            if (pending_ == kMostSteps && !takePending(k, state)) return false;
+        }
         return true;
     }
 
-    bool takeStep(double t, RayState& state) {
-        const Vec3d p = line_.at(t);
-        const float density = density_(p);
-        if (!(density > 0)) return true;
-        const float opacity = opacityOf(density * stepDepth_);
+    /// Takes the steps before step `end` whose values were found.
+    bool takePending(std::int64_t end, RayState& state) {
+        float opacities[kMostSteps];
+        findOpacities<kChannels>(values_, pending_, stepDepth_, opacities);
+        RayState now = state;  // in registers
+        bool on = true;
+        const std::int64_t first = end - pending_;
+        for (int i = 0; i < pending_ && on; ++i)
+            if (opacities[i] > 0) on = takeStep(first + i, opacities[i], radiosityOf(values_[i], first + i), now);
+        state = now;
+        pending_ = 0;
+        return on;
+    }
+
+    /// Null where there is nothing; the first and the last step of a span may reach out of it.
+    const float* blockAt(const Coord& origin) {
+        int number = kNoBlock;
+        if (!numbers_.probeValue(origin, number)) return nullptr;
+        if (number != kNoBlock) return volume_.blocks.block(number);
+        // In a large tile, or close to one.
+        densities_.fill(origin, filled_, kChannels);
+        if constexpr (kChannels > 1) radiosities_.fill(origin, filled_ + 1, kChannels);
+        return filled_;
+    }
+
+    typename RadiosityGrid::ValueType radiosityOf(const float (&value)[kChannels], std::int64_t k) {
+        if constexpr (kChannels == 1) return radiosity_(radiosityLine_.at(timeOf(k)));
+        if constexpr (kChannels == 2) return value[1];
+        if constexpr (kChannels == 4) return openvdb::Vec3s(value[1], value[2], value[3]);
+    }
+
+    bool takeStep(std::int64_t k, float opacity, const typename RadiosityGrid::ValueType& s, RayState& state) {
         const float weight = float(state.transmittance) * opacity;
-        add(state.radiance, scene_.options.lambert ? weight * cosine(p) : weight, radiosity_(radiosityLine_.at(t)));
+        add(state.radiance, options_.lambert ? weight * cosine(line_.at(timeOf(k))) : weight, s);
         state.transmittance *= 1 - double(opacity);
-        if (state.transmittance > scene_.options.minTransmittance) return true;
+        if (state.transmittance > options_.minTransmittance) return true;
         state.radiance *= float(1 / (1 - state.transmittance));
         state.transmittance = 0;
         return false;
@@ -162,7 +234,7 @@ class RayMarcher {
             slope[axis] = 0.5 * (double(around_(ahead)) - around_(behind));
         }
         // grad_world_j = sum_i d index_i / d world_j slope_i; OpenVDB's matrices stand to the right of row vectors.
-        const Mat4d& m = scene_.densityFromWorld;
+        const Mat4d& m = volume_.densityFromWorld;
         Vec3d gradient;
         for (int j = 0; j < 3; ++j) gradient[j] = m[j][0] * slope[0] + m[j][1] * slope[1] + m[j][2] * slope[2];
         const double length = gradient.length();
@@ -171,21 +243,27 @@ class RayMarcher {
         return float(std::max(0.0, alongRay / length));
     }
 
-    const Scene<RadiosityGrid>& scene_;
+    const RenderVolume::Content& volume_;
+    const RenderOptions& options_;
     LinearSampler<FloatGrid> density_, around_;
     LinearSampler<RadiosityGrid> radiosity_;
-    openvdb::tree::ValueAccessor<const FloatTree, false> occupied_;
-    openvdb::math::VolumeHDDA<FloatTree, IndexRay, FloatTree::RootNodeType::ChildNodeType::LEVEL> hdda_;
+    BlockFiller<FloatGrid> densities_;
+    BlockFiller<RadiosityGrid> radiosities_;
+    openvdb::tree::ValueAccessor<const Int32Tree, false> numbers_;
+    openvdb::math::VolumeHDDA<Int32Tree, IndexRay, Int32Tree::RootNodeType::ChildNodeType::LEVEL> hdda_;
     IndexLine line_{Mat4d::identity(), Vec3d(0.0), Vec3d(0.0)}, radiosityLine_ = line_;
     IndexRay ray_;
+    Vec3d perDirection_{0.0};  // 1 / line_.direction
     double worldPerIndex_ = 1;
+    float filled_[kChannels * kBlockCorners * kBlockCorners * kBlockCorners];
+    StepValue<kChannels> values_[kMostSteps];  // of steps that are not taken yet
+    int pending_ = 0;
     float stepDepth_ = 0;  // optical depth of a step through density 1
     std::int64_t nextStep_ = 0;
 };
 
-template <class RadiosityGrid>
-void renderPixel(RayMarcher<RadiosityGrid>& marcher, const CameraFrame& frame, const RenderOptions& options, int x,
-                 int y, float* pixel) {
+template <class Marcher>
+void renderPixel(Marcher& marcher, const CameraFrame& frame, const RenderOptions& options, int x, int y, float* pixel) {
     Color radiance = grey(0);
     double transmittance = 0;
     const int n = options.samples;
@@ -201,17 +279,17 @@ void renderPixel(RayMarcher<RadiosityGrid>& marcher, const CameraFrame& frame, c
 }
 
 /// @return false if stopped by `progress`.
-template <class RadiosityGrid>
-bool renderTiles(const Scene<RadiosityGrid>& scene, const CameraFrame& frame, const ProgressCallback& progress,
-                 Image& image) {
+template <class Marcher>
+bool renderTiles(const RenderVolume::Content& volume, const CameraFrame& frame, const RenderOptions& options,
+                 const ProgressCallback& progress, Image& image) {
     const int across = (image.width + kTileSide - 1) / kTileSide, down = (image.height + kTileSide - 1) / kTileSide;
     const std::size_t count = std::size_t(across) * down;
     const auto renderTile = [&](std::size_t tile) {
-        RayMarcher<RadiosityGrid> marcher(scene);
+        Marcher marcher(volume, options);
         const int x0 = int(tile % across) * kTileSide, y0 = int(tile / across) * kTileSide;
         for (int y = y0; y < std::min(y0 + kTileSide, image.height); ++y)
             for (int x = x0; x < std::min(x0 + kTileSide, image.width); ++x)
-                renderPixel(marcher, frame, scene.options, x, y, image.at(x, y));
+                renderPixel(marcher, frame, options, x, y, image.at(x, y));
     };
     for (std::size_t begin = 0; begin < count; begin += kTilesPerGroup) {
         if (!report(progress, "render", double(begin) / double(count))) return false;
@@ -222,25 +300,25 @@ bool renderTiles(const Scene<RadiosityGrid>& scene, const CameraFrame& frame, co
     return true;
 }
 
+template <class RadiosityGrid, int kSharedChannels>
+bool renderGrid(const RenderVolume::Content& volume, const CameraFrame& frame, const RenderOptions& options,
+                const ProgressCallback& progress, Image& image) {
+    if (volume.blocks.channels == kSharedChannels)
+        return renderTiles<RayMarcher<RadiosityGrid, kSharedChannels>>(volume, frame, options, progress, image);
+    return renderTiles<RayMarcher<RadiosityGrid, 1>>(volume, frame, options, progress, image);
+}
+
+/// Checks what holds for radiosity, and makes the blocks.
 template <class RadiosityGrid>
-bool renderGrid(const RenderInput& input, const FloatGrid& density, const RadiosityGrid& radiosity,
-                const CameraFrame& frame, const RenderOptions& options, const ProgressCallback& progress,
-                Image& image) {
-    checkVoxels(*input.density, "density");
+void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
     checkVoxels(radiosity, "radiosity");
-    const FloatTree::Ptr occupied = occupancy(density);
-    openvdb::CoordBBox bounds;
-    occupied->evalActiveVoxelBoundingBox(bounds);
-    if (!bounds.empty()) bounds.max().offset(1);
-    const Scene<RadiosityGrid> scene{density,
-                                     radiosity,
-                                     *occupied,
-                                     bounds,
-                                     affineMatrix(density, "density").inverse(),
-                                     affineMatrix(radiosity, "radiosity").inverse(),
-                                     input.extinctionScale,
-                                     options};
-    return renderTiles(scene, frame, progress, image);
+    volume.radiosityFromWorld = affineMatrix(radiosity, "radiosity").inverse();
+    const Int32Tree::Ptr occupied = occupancy(*volume.density);
+    occupied->evalActiveVoxelBoundingBox(volume.bounds);
+    if (!volume.bounds.empty()) volume.bounds.max().offset(1);
+    volume.blocks = radiosity.transform() == volume.density->transform()
+                        ? makeBlocks(occupied, *volume.density, radiosity)
+                        : makeBlocks(occupied, *volume.density);
 }
 
 void requireInput(const RenderInput& input) {
@@ -270,22 +348,38 @@ void RenderOptions::validate() const {
                 "be finite and not negative");
 }
 
+RenderVolume::RenderVolume(const RenderInput& input) {
+    requireInput(input);
+    auto content = std::make_shared<Content>();
+    checkVoxels(*input.density, "density");
+    content->density = zeroWhereInactive(input.density);
+    content->radiosity = input.radiosity;
+    content->extinctionScale = input.extinctionScale;
+    content->densityFromWorld = affineMatrix(*content->density, "density").inverse();
+    withTypedGrid(*input.radiosity, [&](const auto& radiosity) { prepare(*content, radiosity); });
+    content_ = std::move(content);
+}
+
+RenderResult render(const RenderVolume& volume, const Camera& camera, const RenderOptions& options,
+                    const ProgressCallback& progress) {
+    const Timer timer;
+    options.validate();
+    const CameraFrame frame = cameraFrame(camera);
+    const RenderVolume::Content& content = volume.content();
+    RenderResult result;
+    result.image = Image(camera.width, camera.height, 4);
+    result.complete = content.radiosity->isType<FloatGrid>()
+                          ? renderGrid<FloatGrid, 2>(content, frame, options, progress, result.image)
+                          : renderGrid<Vec3SGrid, 4>(content, frame, options, progress, result.image);
+    result.seconds = timer.seconds();
+    return result;
+}
+
 RenderResult render(const RenderInput& input, const Camera& camera, const RenderOptions& options,
                     const ProgressCallback& progress) {
     const Timer timer;
-    requireInput(input);
     options.validate();
-    const CameraFrame frame = cameraFrame(camera);
-    const FloatGrid::ConstPtr density = zeroWhereInactive(input.density);
-    RenderResult result;
-    result.image = Image(camera.width, camera.height, 4);
-    if (const auto grey = openvdb::gridConstPtrCast<FloatGrid>(input.radiosity))
-        result.complete = renderGrid(input, *density, *grey, frame, options, progress, result.image);
-    else if (const auto coloured = openvdb::gridConstPtrCast<Vec3SGrid>(input.radiosity))
-        result.complete = renderGrid(input, *density, *coloured, frame, options, progress, result.image);
-    else
-        throw InvalidArgument("radiosity grid '" + input.radiosity->getName() + "' is of type " +
-                              input.radiosity->type() + "; it must hold floats or vec3s");
+    RenderResult result = render(RenderVolume(input), camera, options, progress);
     result.seconds = timer.seconds();
     return result;
 }

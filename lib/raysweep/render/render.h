@@ -7,6 +7,8 @@
 #include "raysweep/image/image.h"
 #include "raysweep/volume/grids.h"
 
+#include <memory>
+
 namespace raysweep {
 
 /// What is looked at.
@@ -18,6 +20,22 @@ struct RenderInput {
     /// reach one voxel beyond `density`, or edges are mixed with its background. An empty grid with background 1 makes
     /// S = 1 everywhere.
     openvdb::GridBase::ConstPtr radiosity;
+};
+
+/// A volume made ready for pictures: checked, and copied to where rays find it quickly, which takes 6 bytes per voxel
+/// of its leaves for each of density and the channels of radiosity. For several pictures of one volume; its grids must
+/// stay as they are.
+class RenderVolume {
+  public:
+    /// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative values
+    /// (with its voxel)
+    explicit RenderVolume(const RenderInput& input);
+
+    struct Content;
+    const Content& content() const { return *content_; }
+
+  private:
+    std::shared_ptr<const Content> content_;
 };
 
 struct RenderOptions {
@@ -55,8 +73,11 @@ struct RenderResult {
 ///
 /// The same bits for any number of threads.
 /// @param progress called between groups of image tiles; when it returns false the picture is returned as it is.
-/// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative values
-/// (with its voxel), and options or camera out of range.
+/// @throw InvalidArgument for options or camera out of range.
+RenderResult render(const RenderVolume& volume, const Camera& camera, const RenderOptions& options = {},
+                    const ProgressCallback& progress = {});
+
+/// One picture. @throw InvalidArgument for what cannot be made ready, too.
 RenderResult render(const RenderInput& input, const Camera& camera, const RenderOptions& options = {},
                     const ProgressCallback& progress = {});
 

@@ -15,10 +15,6 @@ namespace {
 // Of the bounding box, voxels: so far coordinates of rays and bricks are safe from overflow.
 constexpr std::int64_t kLongestEdge = 1 << 24;
 
-bool lessOrigin(const Index3& a, const Index3& b) {
-    return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);
-}
-
 openvdb::Coord coordOf(const Index3& i) {
     return {i.x, i.y, i.z};
 }

@@ -2,6 +2,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/input_file.h"
+#include "raysweep/volume/leaf_writer.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -24,7 +26,9 @@ class Archive : public openvdb::io::Archive {
   public:
     void read(std::istream& in, VdbFile& file);
     void save(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
-        openvdb::io::Archive::write(out, grids, /*seekable=*/true, metadata);
+        openvdb::GridCPtrVec quick;
+        for (const auto& grid : grids) quick.push_back(writtenInParallel(grid));
+        openvdb::io::Archive::write(out, quick, /*seekable=*/true, metadata);
     }
 
   private:
@@ -72,25 +76,6 @@ GridBase::Ptr Archive::readNext(std::istream& in, GridDescriptor& descriptor, in
     }
 }
 
-/// A damaged size makes OpenVDB ask for more bytes than there are, into a buffer that does not hold them. Such a read
-/// ends here, before anything is copied.
-class BoundedFile : public std::filebuf {
-  public:
-    BoundedFile(const std::string& path, std::uintmax_t size) : size_(static_cast<std::streamoff>(size)) {
-        open(path, std::ios::in | std::ios::binary);
-    }
-
-  protected:
-    std::streamsize xsgetn(char* to, std::streamsize count) override {
-        constexpr std::streamsize kSmall = 1 << 14;  // asking for the position costs more than small reads do
-        if (count > kSmall && count > size_ - seekoff(0, std::ios::cur, std::ios::in)) return 0;
-        return std::filebuf::xsgetn(to, count);
-    }
-
-  private:
-    std::streamoff size_;
-};
-
 [[noreturn]] void failRead(const std::string& path, const std::string& why) {
     throw IoError("cannot read '" + path + "': " + why);
 }
@@ -120,8 +105,8 @@ VdbFile readVdb(const std::string& path) {
     if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
         failRead(path, "it is not a regular file, and a .vdb cannot be read from a stream; save it first");
     errno = 0;
-    BoundedFile buffer(path, std::filesystem::file_size(path, ignored));
-    if (!buffer.is_open()) failRead(path, systemError());
+    InputFile buffer(path, std::filesystem::file_size(path, ignored));
+    if (!buffer.isOpen()) failRead(path, systemError());
     std::istream in(&buffer);
     requireVdb(in, path);
     in.exceptions(std::ios::failbit | std::ios::badbit);

@@ -90,6 +90,23 @@ TEST(VdbIo, HalfGridsPassThroughWithTheSameBits) {
     EXPECT_EQ(fs::file_size(folder / "a.vdb"), fs::file_size(folder / "b.vdb"));
 }
 
+// All but the identity that every file is given anew.
+TEST(VdbIo, LeavesCompressedByAllThreadsAreTheBytesOfOpenVdb) {
+    const TemporaryFolder folder;
+    const FloatGrid::Ptr density = makeGrid("density"), half = makeGrid("half", 3.0f);
+    half->setSaveFloatAsHalf(true);
+    const Vec3SGrid::Ptr color = Vec3SGrid::create();
+    color->setName("Cd");
+    color->denseFill({Coord(0), Coord(70)}, openvdb::Vec3s(0.1f, 0.2f, 0.3f));
+    const openvdb::GridCPtrVec grids{density, half, color};
+    writeVdb(folder / "ours.vdb", grids);
+    openvdb::io::File(folder / "theirs.vdb").write(grids);
+    std::string ours = bytesOf(folder / "ours.vdb"), theirs = bytesOf(folder / "theirs.vdb");
+    constexpr std::size_t kIdentity = 21, kIdentityLength = 36;
+    ours.erase(kIdentity, kIdentityLength), theirs.erase(kIdentity, kIdentityLength);
+    EXPECT_TRUE(ours == theirs);
+}
+
 TEST(VdbIo, GridsOfOneNameKeepTheirOrder) {
     const TemporaryFolder folder;
     openvdb::GridCPtrVec grids;
