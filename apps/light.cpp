@@ -135,8 +135,8 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         json["sky_suns"] = scene.skySuns->count;
         json["sky_suns_share"] = scene.skySuns->share;
     }
-    json["timings"] = {{"read", readSeconds},     {"prepare", spent.prepare}, {"direct", spent.direct},
-                       {"coarse", spent.coarse},  {"sweeps", spent.sweeps},   {"finish", spent.finish},
+    json["timings"] = {{"read", readSeconds},    {"prepare", spent.prepare}, {"direct", spent.direct},
+                       {"coarse", spent.coarse}, {"sweeps", spent.sweeps},   {"finish", spent.finish},
                        {"output", spent.output}, {"write", writeSeconds}};
     json["rms_history"] = nlohmann::ordered_json::array();
     for (const ConvergencePoint& point : lit.history)

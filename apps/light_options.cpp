@@ -109,15 +109,17 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
                    "time and memory or a little more")
         ->type_name("F")
         ->capture_default_str();
-    app.add_option("--zeta", o.zeta,
-                   "Part of a voxel's unshot power that one sweep shoots, [0,1]; 0: chosen by how the solution begins")
+    app.add_option(
+        "--zeta", o.zeta,
+        "Part of a voxel's unshot power that one sweep shoots, (0,1]; unless given 0.1 or 0.2 from a coarse start, "
+        "else 0.5");
+    app.add_option(
+           "--beams", o.beams,
+           "Directions that are swept together, 1 to 8: more is quicker, and a little less accurate for the same "
+           "number of sweeps; 0: chosen")
         ->capture_default_str();
-    app.add_option("--beams", o.beams,
-                   "Directions that are swept together, 1 to 8: more is quicker, and a little less accurate for the same "
-                   "number of sweeps; 0: chosen")
-        ->capture_default_str();
-    app.add_flag("--coarse-start,!--no-coarse-start", o.coarseStart,
-                 "Begin and end with a solution on voxels twice as long (default: yes, for media)");
+    app.add_flag("--dark-start", o.darkStart,
+                 "Do not begin (and end) with a solution on voxels twice as long, as media do");
     addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "nearest|linear",
               "How rays and voxels meet");
     addChoice(app, "--remaining", o.remaining, kRemaining, "shoot", "shoot|drop|spread",

@@ -35,9 +35,8 @@ const Case kCases[] = {{"sun 4 0.9", true, 4, 0.9f},     {"sky 4 0.9", false, 4,
                        {"sun 16 0.99", true, 16, 0.99f}, {"sky 16 0.99", false, 16, 0.99f}};
 
 /// Settings are written as "key=value key=value"; what is not named is the solver's default.
-const char* const kSettings[] = {"default",      "zeta=1",      "zeta=0.3",
-                                 "zeta=0.7",     "batch=16",    "batch=256",
-                                 "unshot=0.001", "unshot=0.01", "interpolation=linear"};
+const char* const kSettings[] = {"default",          "coarse=0", "coarse=0 zeta=1",     "beams=1",
+                                 "beams=1 zeta=0.2", "beams=8",  "interpolation=linear"};
 const int kFewSettings = 2;  ///< enough where the thickness is not 4
 const double kTolerances[] = {0.03, 0.01, 0.003};
 const int kSweeps[] = {8,  12, 16, 20, 24,  28,  32,  36,  40,  44,  48,  56,  64,
@@ -125,6 +124,10 @@ Value oneOf(const std::map<std::string, Value>& names, const std::string& name) 
 void apply(IlluminateOptions& options, const std::string& key, const std::string& value) {
     if (key == "zeta")
         options.zeta = std::stod(value);
+    else if (key == "beams")
+        options.beams = std::stoi(value);
+    else if (key == "coarse")
+        options.darkStart = value == "0";
     else if (key == "batch")
         options.batch = std::stoi(value);
     else if (key == "unshot")

@@ -31,10 +31,11 @@ double secondsPerSweep(const Scene& scene, int sweeps) {
     options.tolerance = 0;
     options.sweeps = kUntimed + sweeps;
     options.remaining = Remaining::drop;  // finishing sweeps are sweeps like others
+    options.beams = 4;
     Timer timer;
     int done = 0;
     double seconds = 0;
-    options.afterSweep = [&](const Vec3&, const SweepTotals&) {
+    options.afterSweep = [&](const Vec3&, const RaySums&) {
         ++done;
         if (done == kUntimed) timer = Timer();
         if (done == options.sweeps) seconds = timer.seconds();

@@ -43,8 +43,8 @@ void parallelFor(std::size_t count, const Body& body, std::size_t grain = 1) {
     });
 }
 
-/// Calls `body(i, j)` for every cell of a table of `rows` x `columns`, each after the cells (i-1, j) and (i, j-1). There
-/// is no other order, and no barrier.
+/// Calls `body(i, j)` for every cell of a table of `rows` x `columns`, each after the cells (i-1, j) and (i, j-1).
+/// There is no other order, and no barrier.
 template <class Body>
 void parallelWavefront(int rows, int columns, const Body& body) {
     if (rows <= 0 || columns <= 0) return;

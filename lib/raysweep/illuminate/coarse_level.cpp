@@ -4,12 +4,13 @@
 #include "raysweep/illuminate/estimate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace raysweep {
 namespace {
 
-constexpr int kFactor = 2;
+constexpr int kFactor = 2, kMerged = kFactor * kFactor * kFactor;
 constexpr int kGrain = 16;  ///< bricks
 
 /// Of the coarse brick that holds a fine one. Coarse coordinates begin at the low corner of the fine bricks' bounding
@@ -25,9 +26,9 @@ std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
     for (const Index3& origin : fine.origins) origins.push_back(coarseOrigin(fine, origin));
     const auto key = [](const Index3& a) { return std::make_tuple(a.x, a.y, a.z); };
     std::sort(origins.begin(), origins.end(), [&](const Index3& a, const Index3& b) { return key(a) < key(b); });
-    origins.erase(std::unique(origins.begin(), origins.end(),
-                              [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
-                  origins.end());
+    origins.erase(
+        std::unique(origins.begin(), origins.end(), [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
+        origins.end());
     return origins;
 }
 
@@ -46,6 +47,29 @@ BrickLayout coarseLayout(const BrickLayout& fine) {
     return coarse;
 }
 
+/// Optical depth of the voxel that replaces eight: as much light as through these comes through it along an axis, on
+/// average over the axes and the four ways along each. (With their mean extinction a coarse medium of thick and thin
+/// voxels would be far too dense: light goes around the thick ones.)
+/// @param voxels in the order (x, y, z)
+float coarseDepth(const float* tau, const int (&voxels)[kMerged]) {
+    constexpr int kWays = kMerged / kFactor, kAxes = 3;
+    constexpr float kThin = 1e-3f;
+    float least = tau[voxels[0]], most = least, sum = 0;
+    for (const int i : voxels) {
+        least = std::min(least, tau[i]);
+        most = std::max(most, tau[i]);
+        sum += tau[i];
+    }
+    const float mean = sum / float(kWays);
+    if (most - least <= kThin) return mean;
+    double through = 0;
+    for (int stride = 1; stride < kMerged; stride *= kFactor)
+        for (int n = 0; n < kMerged; ++n)
+            if ((n & stride) == 0) through += std::exp(-double(tau[voxels[n]]) - double(tau[voxels[n + stride]]));
+    through /= kWays * kAxes;
+    return through > 0 ? std::min(mean, float(-std::log(through))) : mean;
+}
+
 }  // namespace
 
 std::size_t coarseBrickCount(const BrickLayout& fine) {
@@ -62,7 +86,20 @@ void CoarseLevel::forEachVoxel(const SolverState& fine, std::size_t b, const Vis
     }
 }
 
-CoarseLevel::CoarseLevel(const SolverState& fine) : state(coarseLayout(fine.volume.layout), {false, false, false}) {
+template <class Visit>
+void CoarseLevel::forEachCoarseVoxel(const SolverState& fine, std::size_t b, const Visit& visit) const {
+    int voxels[kBrickVoxels / kMerged][kMerged], coarse[kBrickVoxels / kMerged];
+    forEachVoxel(fine, b, [&](int i, int j) {
+        const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
+        const int cell = (x >> 1) << 4 | (y >> 1) << 2 | z >> 1;
+        voxels[cell][(x & 1) << 2 | (y & 1) << 1 | (z & 1)] = i;
+        coarse[cell] = j;
+    });
+    for (int cell = 0; cell < kBrickVoxels / kMerged; ++cell) visit(voxels[cell], coarse[cell]);
+}
+
+CoarseLevel::CoarseLevel(const SolverState& fine)
+    : state(coarseLayout(fine.volume.layout), {false, false, false}, fine.escape.scaled(kFactor)) {
     state.exchange = fine.exchange;
     state.channels = fine.channels;
     state.powerUnit = fine.powerUnit;
@@ -75,13 +112,15 @@ CoarseLevel::CoarseLevel(const SolverState& fine) : state(coarseLayout(fine.volu
     const std::size_t bricks = state.volume.layout.brickCount();
     state.zero = BrickField(1);
     state.tau = BrickField(bricks);
-    // Of the eight voxels that a coarse one replaces the mean extinction, over a step twice as long.
-    constexpr float kMean = float(kFactor) / float(kFactor * kFactor * kFactor);
+    BrickField weight(bricks);  // sum of tau over the voxels that a coarse one replaces
     parallelFor(
         origins.size(),
         [&](std::size_t b) {
-            float* const to = state.tau.brick(parents_[b]);
-            forEachVoxel(fine, b, [&](int i, int j) { to[j] += kMean * fine.tau.brick(b)[i]; });
+            const float* const tau = fine.tau.brick(b);
+            forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
+                for (const int i : voxels) weight.brick(parents_[b])[j] += tau[i];
+                state.tau.brick(parents_[b])[j] = coarseDepth(tau, voxels);
+            });
         },
         kGrain);
     for (int c = 0; c < state.channels; ++c) {
@@ -94,10 +133,9 @@ CoarseLevel::CoarseLevel(const SolverState& fine) : state(coarseLayout(fine.volu
                 forEachVoxel(fine, b, [&](int i, int j) {
                     const std::uint32_t parent = parents_[b];
                     if (fine.hasSource()) state.source[c].brick(parent)[j] += fine.source[c].brick(b)[i];
-                    const float tau = state.tau.brick(parent)[j];
-                    if (!fine.uniformAlbedo && tau > 0)
-                        state.albedo[c].brick(parent)[j] +=
-                            fine.albedo[c].brick(b)[i] * kMean * fine.tau.brick(b)[i] / tau;
+                    const float sum = weight.brick(parent)[j];
+                    if (!fine.uniformAlbedo && sum > 0)
+                        state.albedo[c].brick(parent)[j] += fine.albedo[c].brick(b)[i] * fine.tau.brick(b)[i] / sum;
                 });
             },
             kGrain);
@@ -186,7 +224,10 @@ PowerBalance CoarseLevel::settle(SolverState& fine) {
     for (int c = 0; c < fine.channels; ++c) {
         power.absorbed[c] += changed_.absorbed[c] / fine.injections;
         power.escaped[c] += changed_.escaped[c] / fine.injections;
-        power.unshot[c] = changed_.unshot[c] / fine.injections;
+        // What is left of the change has either sign. Less than nothing cannot be unshot: it was not absorbed.
+        const double left = changed_.unshot[c] / fine.injections;
+        power.unshot[c] = std::max(0.0, left);
+        power.absorbed[c] += std::min(0.0, left);
     }
     BrickField areas(state.volume.layout.brickCount());  // of the fine voxels in a coarse one
     const auto forEachBrick = [&](const auto& visit) { parallelFor(parents_.size(), visit, kGrain); };

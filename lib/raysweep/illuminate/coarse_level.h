@@ -34,8 +34,8 @@ class CoarseLevel {
     void takeChange(const SolverState& fine, int sign);
     /// Remembers what has become of it.
     void bookChange(int sign);
-    /// Adds what has become of the change to the deposits of `fine`, where nothing stays unshot but what is still unshot
-    /// here. @return the books of `fine` with it, W
+    /// Adds what has become of the change to the deposits of `fine`, where nothing stays unshot but what is still
+    /// unshot here. @return the books of `fine` with it, W
     PowerBalance settle(SolverState& fine);
 
   private:
@@ -43,10 +43,15 @@ class CoarseLevel {
     template <class Visit>
     void forEachVoxel(const SolverState& fine, std::size_t b, const Visit& visit) const;
 
-    std::vector<std::uint32_t> parents_;     ///< coarse brick of each fine one
-    BrickField started_[kMaxChannels];       ///< unshot power that `fine` had at the start
+    /// Calls `visit(voxels, j)` for the eight voxels of fine brick `b`, in the order (x, y, z), that are voxel j of the
+    /// coarse brick.
+    template <class Visit>
+    void forEachCoarseVoxel(const SolverState& fine, std::size_t b, const Visit& visit) const;
+
+    std::vector<std::uint32_t> parents_;  ///< coarse brick of each fine one
+    BrickField started_[kMaxChannels];    ///< unshot power that `fine` had at the start
     BrickField changeDeposit_[kMaxChannels], changeUnshot_[kMaxChannels];
-    PowerBalance changed_;                   ///< what became of the change, W
+    PowerBalance changed_;  ///< what became of the change, W
 };
 
 }  // namespace raysweep

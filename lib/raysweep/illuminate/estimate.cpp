@@ -20,6 +20,27 @@ double meanAbsorbingArea(const SolverState& state, double tau, double escapeProb
     return tau / meanLength * volume * escapeProbability;
 }
 
+}  // namespace
+
+void absorbingAreas(const SolverState& state, std::size_t b, float* area) {
+    const float* const tau = state.tau.brick(b);
+    const EscapeFit& fit = state.escape.fit();
+    if (state.exchange == ExchangeModel::paper) {
+        for (int i = 0; i < kBrickVoxels; ++i) area[i] = float(meanAbsorbingArea(state, double(tau[i]), 1));
+        return;
+    }
+    // In floats, and nothing called: compilers make wide instructions of it.
+    const float perDepth = float(state.volume.layout.voxelVolume / state.escape.meanStepLength());
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        const float t = tau[i];
+        const float numerator = 1 + t * (fit.b[0] + t * (fit.b[1] + t * fit.b[2]));
+        const float denominator = 1 + t * (fit.a[0] + t * (fit.a[1] + t * (fit.a[2] + t * fit.a[3])));
+        area[i] = t * perDepth * (numerator / denominator);
+    }
+}
+
+namespace {
+
 /// Mean furnace deposit of a sweep in a voxel of a flat wall: 1/(4 pi) times the integral of the cosine.
 constexpr double kFlatWall = 0.25;
 /// Surface voxels that collect less than this part of a flat wall's are buried, or hardly there: their radiosity would
@@ -32,12 +53,13 @@ class BrickRadiance {
     /// @param exact p from the table, not from the quicker fit
     BrickRadiance(const SolverState& state, int channel, std::size_t b, bool exact)
         : state_(state),
+          b_(b),
           exact_(exact),
           normals_(state.surfaces.normals(b)),
           tau_(state.tau.brick(b)),
-          source_(state.hasSource() ? state.source[channel].brick(b) : state.zero.brick(0)),
-          face_(state.voxelFace()) {
+          source_(state.hasSource() ? state.source[channel].brick(b) : state.zero.brick(0)) {
         effectiveAlbedos(state, channel, b, g_);
+        findPerPower();
         if (!state.furnace.empty()) solidTau_ = state.solidTau();
         if (!normals_) return;
         const std::uint32_t slot = state.surfaces.slots[b];
@@ -61,9 +83,7 @@ class BrickRadiance {
     double perPower(int i) const {
         if (isSurface(i) && furnace_) return furnace_[i] > 0 ? state_.injections / (4 * kPi * double(furnace_[i])) : 0;
         if (isSurface(i)) return 1 / kPi;
-        const double tau = double(tau_[i]);
-        const double p = exact_ ? state_.escape.probability(tau) : state_.escape.fit().probability(tau);
-        return face_ / (4 * kPi * meanAbsorbingArea(state_, tau, p));
+        return double(perPower_[i]);
     }
 
     /// The part that comes straight from sources. @param perPower of the voxel
@@ -76,18 +96,33 @@ class BrickRadiance {
     double scattered(int i, double met) const { return double(g_[i]) * met; }
 
   private:
+    /// Of all voxels, taken to be medium; of no meaning in empty ones.
+    void findPerPower() {
+        const double face = state_.voxelFace() / (4 * kPi);
+        if (!exact_) {
+            absorbingAreas(state_, b_, perPower_);
+            for (float& value : perPower_) value = float(face) / value;
+            return;
+        }
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            const double tau = double(tau_[i]);
+            perPower_[i] = float(face / meanAbsorbingArea(state_, tau, state_.escape.probability(tau)));
+        }
+    }
+
     const SolverState& state_;
+    const std::size_t b_;
     const bool exact_;
     const PackedNormal* const normals_;
     const float* const tau_;
     const float* const source_;
-    const double face_;
     const float* seen_ = nullptr;
     const float* emitted_ = nullptr;
     const float* furnace_ = nullptr;
     double solidTau_ = INFINITY;
     double leastFurnace_ = 0;
     alignas(64) float g_[kBrickVoxels];
+    alignas(64) float perPower_[kBrickVoxels];
 };
 
 /// Sums over a brick for the relative RMS difference.
@@ -147,6 +182,17 @@ BrickField metBySurfaces(const SolverState& state, int channel, const DepositOf&
 
 }  // namespace
 
+void foldDeposits(SolverState& state) {
+    parallelFor(
+        state.volume.layout.brickCount(),
+        [&](std::size_t b) {
+            for (int c = 0; c < state.channels; ++c)
+                for (int i = 0; i < kBrickVoxels; ++i)
+                    foldVoxel(state.total[c].brick(b)[i], state.recent[c].brick(b)[i]);
+        },
+        16);
+}
+
 double foldDeposits(SolverState& state, int sweeps) {
     const Squares sum = orderedSum<Squares>(
         state.volume.layout.brickCount(), [&](std::size_t b) { return foldBrick(state, b, state.injections - sweeps); },
@@ -196,14 +242,6 @@ double PowerBalance::error() const {
         if (injected[c] > 0)
             worst = std::max(worst, std::abs(injected[c] - absorbed[c] - escaped[c] - unshot[c]) / injected[c]);
     return worst;
-}
-
-void absorbingAreas(const SolverState& state, std::size_t b, float* area) {
-    const float* const tau = state.tau.brick(b);
-    for (int i = 0; i < kBrickVoxels; ++i) {
-        const double depth = double(tau[i]);
-        area[i] = float(meanAbsorbingArea(state, depth, state.escape.fit().probability(depth)));
-    }
 }
 
 void computeRadiosity(const SolverState& state, int channel, const BrickField& extra, BrickField& radiosity) {

@@ -6,7 +6,10 @@
 namespace raysweep {
 
 /// Moves the recent deposits to the total ones.
-/// @return relative RMS difference of radiosity to the estimate at the last fold, which was `sweeps` sweeps ago.
+void foldDeposits(SolverState& state);
+
+/// The same. @return relative RMS difference of radiosity to the estimate at the last fold, which was `sweeps` sweeps
+/// ago.
 double foldDeposits(SolverState& state, int sweeps);
 
 /// Unshot power of each wavelength, in powerUnit.

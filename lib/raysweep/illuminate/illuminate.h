@@ -7,6 +7,7 @@
 #include "raysweep/sweep/sweep.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,9 @@ enum class Exchange {
 };
 
 struct IlluminateOptions {
-    /// Part of a voxel's unshot power that leaves in one sweep, [0,1]; 0: 0.1 with a coarse start, else 0.5. (Paper: 0.1,
-    /// which then needs ten times as many sweeps.)
-    double zeta = 0;
+    /// Part of a voxel's unshot power that leaves in one sweep, [0,1]; 0: 0.1 with a coarse start, else 0.5. (Paper:
+    /// 0.1, which then needs ten times as many sweeps.)
+    std::optional<double> zeta;
     /// Stop when the RMS difference of radiosity between estimates 20 sweeps apart, relative to its RMS, is below this
     /// (paper, section 2.2, with delta i = 20); 0: never. >= 0.
     double tolerance = 0.01;
@@ -44,15 +45,15 @@ struct IlluminateOptions {
     /// A voxel has a surface if opacity changes by more than this per voxel there, (0,1].
     double surfaceThreshold = 0.1;
     DirectionSet directions = DirectionSet::fibonacci;
-    int batch = 20;          ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
-                             ///< large as all before it
-    /// Begin with a solution on voxels twice as long (and that with one on voxels twice as long again), and settle there
-    /// what is under way at the end. With `shoot`, for media that are not periodic.
-    bool coarseStart = true;
-    /// Directions that pass a brick together, reading the same unshot power, 0 to 8: quicker for each, a little worse as
-    /// a sample. 0: 4 with a coarse start, if voxels are thin, else 1.
+    int batch = 32;  ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
+                     ///< large as all before it
+    /// Media that are not periodic begin with a solution on voxels twice as long (and that with one on voxels twice as
+    /// long again), and what is under way at the end is settled there, if `remaining` is `shoot`. Not so with this.
+    bool darkStart = false;
+    /// Directions that pass a brick together, reading the same unshot power, 0 to 8: quicker for each, a little worse
+    /// as a sample. 0: 4 with a coarse start, if voxels are thin, else 1.
     int beams = 0;
-    std::uint64_t seed = 1;  ///< of directions and offsets; the same seed gives the same bits
+    std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits
     Periodic periodic{false, false, false};  ///< axes of index space along which the bricks' bounding box repeats
     /// Called after each `snapshotEvery` sweeps (0: never) with the number of sweeps and the estimate of radiosity so
     /// far, unshot power spread.

@@ -87,7 +87,7 @@ void Scene::validate() const {
 }
 
 void IlluminateOptions::validate() const {
-    requireBetween("zeta", zeta, 0, 1);
+    if (zeta) requireBetween("zeta", *zeta, 0, 1, true);
     requireBetween("tolerance", tolerance, 0, 1e30);
     requireBetween("sweeps", sweeps, 0, 1e9);
     requireBetween("unshot share", unshotShare, 0, 1, true);

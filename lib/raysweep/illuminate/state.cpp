@@ -65,7 +65,9 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
         quadAreas.push_back(rasterizeQuad(quad, medium.density->transform()));
         grids.push_back(quadAreas.back());
     }
-    SolverState state(layoutBricks(grids, bytesPerVoxel(scene, options, plan)), options.periodic);
+    BrickLayout layout = layoutBricks(grids, bytesPerVoxel(scene, options, plan));
+    Escape escape(layout.worldFromIndex);
+    SolverState state(std::move(layout), options.periodic, std::move(escape));
     state.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
     state.surfaceThreshold = options.surfaceThreshold;
     state.solids = plan.surfaces;

@@ -10,8 +10,8 @@ namespace raysweep {
 
 /// Powers are kept in units of `powerUnit`, so that floats work for any voxel size and any strength of light.
 struct SolverState {
-    SolverState(BrickLayout layout, const Periodic& periodic)
-        : volume(std::move(layout), periodic), escape(volume.layout.worldFromIndex) {}
+    SolverState(BrickLayout layout, const Periodic& periodic, Escape ofVoxels)
+        : volume(std::move(layout), periodic), escape(std::move(ofVoxels)) {}
 
     SweepVolume volume;
     Escape escape;

@@ -11,13 +11,13 @@
 namespace raysweep {
 namespace {
 
-constexpr int kFoldInterval = 20;       ///< the paper's delta i: sweeps between estimates that are compared
-constexpr int kFewestSweeps = 40;       ///< two estimates at least
-constexpr int kFinishInterval = 4;      ///< finishing sweeps between looks at what is left
-constexpr int kCoarseSweeps = 80;
+constexpr int kFoldInterval = 20;   ///< the paper's delta i: sweeps between estimates that are compared
+constexpr int kFewestSweeps = 40;   ///< two estimates at least
+constexpr int kFinishInterval = 4;  ///< finishing sweeps between looks at what is left
+constexpr int kCoarseSweeps = 40;
 constexpr std::size_t kFewestBricks = 8;  ///< that a coarse level is worth while for
 constexpr std::size_t kFewestMerged = 3;  ///< bricks that become one, on average
-constexpr int kMostFinishing = 100000;  ///< a stop for media that lose power ever so slowly
+constexpr int kMostFinishing = 100000;    ///< a stop for media that lose power ever so slowly
 
 /// Mean optical depth of a voxel from which on those twice as long are thick.
 constexpr double kThickVoxels = 0.3;
@@ -37,10 +37,10 @@ bool isPeriodic(const IlluminateOptions& options) {
     return options.periodic[0] || options.periodic[1] || options.periodic[2];
 }
 
-/// A coarse level averages what is in a voxel: surfaces would be lost. The paper's way is to begin in the dark. And where
-/// bricks are scattered, as many coarse ones would be just as much work.
+/// A coarse level averages what is in a voxel: surfaces would be lost. The paper's way is to begin in the dark. And
+/// where bricks are scattered, as many coarse ones would be just as much work.
 bool startsCoarse(const SolverState& state, const IlluminateOptions& options) {
-    return options.coarseStart && options.remaining == Remaining::shoot && !isPeriodic(options) &&
+    return !options.darkStart && options.remaining == Remaining::shoot && !isPeriodic(options) &&
            state.surfaces.empty() && state.exchange == ExchangeModel::consistent &&
            state.volume.layout.brickCount() >= kFewestBricks &&
            coarseBrickCount(state.volume.layout) * kFewestMerged <= state.volume.layout.brickCount();
@@ -58,7 +58,7 @@ double meanDepth(const SolverState& state) {
 Pace paceOf(const SolverState& state, const IlluminateOptions& options, bool coarse) {
     Pace pace{0.5, 1};
     if (coarse) pace = meanDepth(state) > kThickVoxels ? Pace{0.2, 1} : Pace{0.1, 4};
-    if (options.zeta > 0) pace.zeta = options.zeta;
+    if (options.zeta) pace.zeta = *options.zeta;
     if (options.beams > 0) pace.beams = options.beams;
     if (isPeriodic(options)) pace.beams = 1;
     return pace;
@@ -77,11 +77,11 @@ class Solver {
           state_(state),
           zeta_(pace.zeta / pace.beams),
           mostBeams_(pace.beams),
-          directions_({options.directions, options.batch, options.seed, mostBeams_,
-                       options.tolerance > 0 ? 0 : options.sweeps},
-                      [inverse = state.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
-                          return classOf(direction * inverse);
-                      }),
+          directions_(
+              {options.directions, options.batch, options.seed, mostBeams_, options.tolerance > 0 ? 0 : options.sweeps},
+              [inverse = state.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
+                  return classOf(direction * inverse);
+              }),
           offsets_(options.seed ^ 0x9e3779b97f4a7c15ull) {}
 
     /// Sweeps the next directions that go together, `most` or fewer. @return their number
@@ -127,8 +127,8 @@ class Solver {
     Beam nextBeam(const Vec3& direction, Inject inject) {
         const int reach = options_.interpolation == Interpolation::linear ? 1 : 0;
         const double column = uniform01(offsets_), row = uniform01(offsets_);
-        Beam beam = darkBeam(state_, parallelFront(state_.volume.layout, direction, reach, column, row,
-                                                   state_.volume.periodic));
+        Beam beam = darkBeam(
+            state_, parallelFront(state_.volume.layout, direction, reach, column, row, state_.volume.periodic));
         if (inject == Inject::everything) setSky(beam, direction);
         return beam;
     }
@@ -215,7 +215,7 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
         }
         for (const int end = sweeps + kFinishInterval; sweeps < end;)
             sweeps += solver.sweepNext(Inject::nothing, end - sweeps);
-        foldDeposits(state, 0);
+        if (sweeps % kFoldInterval == 0) foldDeposits(state);
         left = unshotPower(state).sum();
         const double done = std::log(first / left) / std::log(first / enough);
         if (!report(progress, "finishing", std::min(1.0, std::max(0.0, done)))) {
@@ -237,7 +237,8 @@ std::unique_ptr<CoarseLevel> startFromCoarse(SolverState& state, Solver& solver,
     onCoarse.afterSweep = {};
     onCoarse.seed = options.seed + 1;
     Illumination result;
-    runSweeps(result, coarse->state, scene, onCoarse, [&](const std::string&, double) { return report(progress, "coarse start", 0); });
+    runSweeps(result, coarse->state, scene, onCoarse,
+              [&](const std::string&, double) { return report(progress, "coarse start", 0); });
     coarse->start(state, solver.shotByBeam());
     solver.startsWith(unshotPower(state).sum());
     return coarse;
@@ -250,7 +251,8 @@ PowerBalance settleOnCoarse(CoarseLevel& coarse, SolverState& state, double enou
                             Termination& termination) {
     for (const int sign : {1, -1}) {
         coarse.takeChange(state, sign);
-        Solver solver(scene, options, coarse.state, kSettling);  // the same directions for both: their noise is the same
+        Solver solver(scene, options, coarse.state,
+                      kSettling);  // the same directions for both: their noise is the same
         shootRemaining(solver, coarse.state, enough, progress, termination);
         coarse.bookChange(sign);
     }

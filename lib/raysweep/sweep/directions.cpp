@@ -44,8 +44,8 @@ Matrix3 randomRotation(std::mt19937_64& random) {
 DirectionSequence::DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf)
     : options_(options), classOf_(std::move(classOf)), random_(options.seed) {}
 
-/// As large as all before. An estimate is good when a batch is complete: if it is known where the last one ends, it takes
-/// what would be left for one of less than half its size.
+/// As large as all before. An estimate is good when a batch is complete: if it is known where the last one ends, it
+/// takes what would be left for one of less than half its size.
 std::size_t DirectionSequence::nextBatch() const {
     const std::size_t first = std::size_t(options_.batch), total = std::size_t(options_.total);
     const std::size_t size = drawn_ == 0 ? first : std::min(drawn_, std::max(first, kLargestBatch));

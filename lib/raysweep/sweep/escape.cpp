@@ -130,10 +130,18 @@ double Escape::probabilityByQuadrature(double t) const {
     return sum / double(lengths_.size());
 }
 
+Escape Escape::scaled(double factor) const {
+    Escape result = *this;
+    result.meanStepLength_ *= factor;
+    return result;
+}
+
 void Escape::fillTable() {
     const int count = int(kTableHigh - kTableLow) * kPerOctave + 1;
-    for (int i = 0; i < count; ++i)
-        table_.push_back(probabilityByQuadrature(std::exp2(kTableLow + double(i) / kPerOctave)));
+    for (int i = 0; i < count; ++i) {
+        nodes_.push_back(std::exp2(kTableLow + double(i) / kPerOctave));
+        table_.push_back(1 / probabilityByQuadrature(nodes_.back()));
+    }
 }
 
 double Escape::probability(double t) const {
@@ -141,10 +149,9 @@ double Escape::probability(double t) const {
     if (!(at > 0)) return 1 - 0.5 * t;
     if (at >= double(table_.size() - 1)) return meanInverse_ / t;
     const auto i = std::size_t(at);
-    // Between two nodes 1/p is nearly straight in t: p = t / (t/p), interpolated in t rather than in log t.
-    const double t0 = std::exp2(kTableLow + double(i) / kPerOctave), t1 = t0 * std::exp2(1.0 / kPerOctave);
-    const double f = (t - t0) / (t1 - t0);
-    return 1 / ((1 - f) / table_[i] + f / table_[i + 1]);
+    // Between two nodes 1/p is nearly straight in t: interpolated in t rather than in log t.
+    const double f = (t - nodes_[i]) / (nodes_[i + 1] - nodes_[i]);
+    return 1 / ((1 - f) * table_[i] + f * table_[i + 1]);
 }
 
 }  // namespace raysweep

@@ -29,6 +29,9 @@ class Escape {
     /// @param worldFromIndex linear part of the grid's transform
     explicit Escape(const Matrix3& worldFromIndex);
 
+    /// Of voxels of the same shape, `factor` times as long.
+    Escape scaled(double factor) const;
+
     double meanStepLength() const { return meanStepLength_; }  ///< world units
     double meanInverseLength() const { return meanInverse_; }  ///< <1/l>
     /// Exact p, interpolated in a table to 1e-5.
@@ -42,7 +45,7 @@ class Escape {
 
     std::vector<double> lengths_;  ///< quantiles of l, equally likely
     double meanStepLength_ = 0, meanInverse_ = 0;
-    std::vector<double> table_;
+    std::vector<double> nodes_, table_;  ///< t, and 1/p there
     EscapeFit fit_;
 };
 

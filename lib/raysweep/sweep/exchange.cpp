@@ -2,6 +2,8 @@
 // machine has is chosen at run time.
 #include "raysweep/sweep/exchange.h"
 
+#include <algorithm>
+
 #include "raysweep/sweep/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/sweep/exchange.cpp"
@@ -22,9 +24,9 @@ HWY_INLINE Vec inverseEscapeAt(const ExchangeStep& step, const PackedNormal* nor
     return normals ? withoutEscape(normals + i, inverse) : inverse;
 }
 
-template <ExchangeModel kModel>
-void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step, std::size_t b) {
-    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
+template <ExchangeModel kModel, bool kThinOnly>
+void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+            const PackedNormal* normals, std::size_t b) {
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
         const Vec inverse = inverseEscapeAt<kModel>(step, normals, i, tau);
@@ -33,7 +35,7 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
         if (normals) surfaces = rowSurfaces(step, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
-            RowTerms terms = rowTerms<kModel, false>(step, beam.stepScale, tau, shotPart);
+            RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.stepScale, tau, shotPart);
             if (normals) applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
             shot = hn::Add(shot, terms.shot);
         }
@@ -44,8 +46,8 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
             float* const fresh = fields.fresh[c].brick(b) + i;
             const Vec U = hn::Load(kLanes, unshot), in = hn::Load(kLanes, fresh);
             const Vec g = effectiveAlbedo(inverse, hn::Load(kLanes, fields.albedo[c].brick(b) + i));
-            const Vec left = hn::MulAdd(hn::Load(kLanes, fields.source[c].brick(b) + i), times,
-                                        hn::Sub(U, hn::Mul(U, shot)));
+            const Vec left =
+                hn::MulAdd(hn::Load(kLanes, fields.source[c].brick(b) + i), times, hn::Sub(U, hn::Mul(U, shot)));
             hn::Store(hn::MulAdd(g, in, left), kLanes, unshot);
             hn::Store(hn::Add(hn::Load(kLanes, deposit), in), kLanes, deposit);
             hn::Store(hn::Zero(kLanes), kLanes, fresh);
@@ -53,12 +55,24 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
     }
 }
 
+template <ExchangeModel kModel>
+void settleThinOrThick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+                       std::size_t b) {
+    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
+    const float* const tau = fields.tau.brick(b);
+    float mostScale = 0;
+    for (const Beam& beam : beams) mostScale = std::max(mostScale, beam.stepScale);
+    !normals&&* std::max_element(tau, tau + kBrickVoxels) * mostScale <= kThin
+        ? settle<kModel, true>(beams, fields, step, normals, b)
+        : settle<kModel, false>(beams, fields, step, normals, b);
+}
+
 }  // namespace
 
 void settleDispatched(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
                       std::size_t b) {
-    step.model == ExchangeModel::paper ? settle<ExchangeModel::paper>(beams, fields, step, b)
-                                       : settle<ExchangeModel::consistent>(beams, fields, step, b);
+    step.model == ExchangeModel::paper ? settleThinOrThick<ExchangeModel::paper>(beams, fields, step, b)
+                                       : settleThinOrThick<ExchangeModel::consistent>(beams, fields, step, b);
 }
 
 void effectiveAlbedosDispatched(const ExchangeStep& step, const PackedNormal* normals, const float* tau,

@@ -81,7 +81,7 @@ struct ExchangeFields {
     BrickView<float> deposit[kMaxChannels];       ///< D, W
     BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone, W; `linear` only
     const Surfaces* surfaces = nullptr;           ///< null: none
-    BrickView<float> furnace;          ///< F of the surfaces' bricks, in units of a ray's; null: not measured
+    BrickView<float> furnace;  ///< F of the surfaces' bricks, in units of a ray's; null: not measured
 };
 
 constexpr int kMostBeams = 8;  ///< in one sweep
@@ -90,9 +90,9 @@ constexpr int kMostBeams = 8;  ///< in one sweep
 struct ExchangeStep {
     ExchangeModel model = ExchangeModel::consistent;
     EscapeFit escape;
-    float zeta = 0.5f;         ///< part of the unshot power that is shot along each beam, (0,1]
-    float mostShot = 1;        ///< the most that a beam may take of it; together they must not take more than there is
-    float solidTau = 1e30f;    ///< tau from which on a voxel is solid, surface or not
+    float zeta = 0.5f;       ///< part of the unshot power that is shot along each beam, (0,1]
+    float mostShot = 1;      ///< the most that a beam may take of it; together they must not take more than there is
+    float solidTau = 1e30f;  ///< tau from which on a voxel is solid, surface or not
 };
 
 /// A brick as a sweep meets it.

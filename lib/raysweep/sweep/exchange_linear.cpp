@@ -24,13 +24,14 @@ namespace raysweep {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr int kRows = kBrickEdge + 1;   ///< a brick's own and the first one beyond
-constexpr int kWidth = 2 * kBrickEdge;  ///< of a row: own columns, the first one beyond, nothing
+constexpr int kEdge = kBrickEdge + 1;  ///< a brick's own rows or columns and the first one beyond
+constexpr int kSlice = 88;             ///< kEdge^2 values, and some to fill the last vector
 
-/// Values of a brick and of the first row and column of the bricks beyond, slice by slice.
+/// Values of a brick and of the first row and column of the bricks beyond: value (row, column) of a slice is at
+/// [slice][row * kEdge + column].
 template <class T>
 struct Padded {
-    HWY_ALIGN T value[kBrickEdge][kRows][kWidth];
+    HWY_ALIGN T value[kBrickEdge][kSlice];
 };
 
 /// Where voxel (slice, row, column) of a sweep axis is in a brick.
@@ -40,14 +41,14 @@ struct Strides {
         : slice(64 >> 3 * axis.major), row(64 >> 3 * axis.row), column(64 >> 3 * axis.column) {}
 };
 
-/// Calls `visit(j, r, c, at)` for voxel (j, r, c) of the padding that lies in the brick beyond the rows, the columns or
-/// both, with its offset there.
+/// Calls `visit(j, i, at)` for value i of slice j that lies in the brick beyond the rows, the columns or both, with its
+/// offset there.
 template <class Visit>
 HWY_INLINE void forEachBeyond(const Strides& strides, bool rows, bool columns, const Visit& visit) {
     for (int j = 0; j < kBrickEdge; ++j)
-        for (int r = rows ? kBrickEdge : 0; r < (rows ? kRows : kBrickEdge); ++r)
-            for (int c = columns ? kBrickEdge : 0; c < (columns ? kRows : kBrickEdge); ++c)
-                visit(j, r, c, j * strides.slice + (r & 7) * strides.row + (c & 7) * strides.column);
+        for (int r = rows ? kBrickEdge : 0; r < (rows ? kEdge : kBrickEdge); ++r)
+            for (int c = columns ? kBrickEdge : 0; c < (columns ? kEdge : kBrickEdge); ++c)
+                visit(j, r * kEdge + c, j * strides.slice + (r & 7) * strides.row + (c & 7) * strides.column);
 }
 
 /// The four bricks whose voxels the rays of a visit meet.
@@ -71,13 +72,14 @@ HWY_INLINE void pad(const SweepAxis& axis, const Quartet::Part& part, const T* f
     const Strides strides(axis);
     if (part.rows || part.columns)
         return forEachBeyond(strides, part.rows, part.columns,
-                             [&](int j, int r, int c, int at) { to.value[j][r][c] = from[at]; });
+                             [&](int j, int i, int at) { to.value[j][i] = from[at]; });
     HWY_ALIGN T turned[kBrickVoxels];
     if (axis.transposed) transposePlanes(from, turned, 0, kBrickEdge - 1);
     const T* const rows = axis.transposed ? turned : from;
     for (int j = 0; j < kBrickEdge; ++j)
         for (int r = 0; r < kBrickEdge; ++r)
-            std::memcpy(to.value[j][r], rows + j * axis.sliceStride + r * axis.rowStride, kBrickEdge * sizeof(T));
+            std::memcpy(to.value[j] + r * kEdge, rows + j * axis.sliceStride + r * axis.rowStride,
+                        kBrickEdge * sizeof(T));
 }
 
 /// Adds the padding's values to a brick's field.
@@ -85,12 +87,12 @@ HWY_INLINE void addTo(const SweepAxis& axis, const Quartet::Part& part, const Pa
     const Strides strides(axis);
     if (part.rows || part.columns)
         return forEachBeyond(strides, part.rows, part.columns,
-                             [&](int j, int r, int c, int at) { to[at] += from.value[j][r][c]; });
+                             [&](int j, int i, int at) { to[at] += from.value[j][i]; });
     HWY_ALIGN float rows[kBrickVoxels];
     HWY_ALIGN float turned[kBrickVoxels];
     for (int j = 0; j < kBrickEdge; ++j)
         for (int r = 0; r < kBrickEdge; ++r)
-            std::memcpy(rows + j * axis.sliceStride + r * axis.rowStride, from.value[j][r],
+            std::memcpy(rows + j * axis.sliceStride + r * axis.rowStride, from.value[j] + r * kEdge,
                         kBrickEdge * sizeof(float));
     if (axis.transposed) transposePlanes(rows, turned, 0, kBrickEdge - 1);
     const float* const values = axis.transposed ? turned : rows;
@@ -101,79 +103,103 @@ HWY_INLINE void addTo(const SweepAxis& axis, const Quartet::Part& part, const Pa
 /// A visit's voxels, and what they take.
 template <int kChannels>
 struct LinearBrick {
-    Padded<float> tau, shotPart, unshot[kChannels];
+    Padded<float> tau, shotPart, unshot[kChannels], in[kChannels];
+    // Only where there are surfaces:
     Padded<PackedNormal> normals;
     Padded<float> measured;  ///< 1 where the furnace is measured: in bricks that have surfaces
-    Padded<float> in[kChannels], furnaceIn;
+    Padded<float> furnaceIn;
     bool surfaces, furnace;
-    int rows, width;  ///< those that are not all empty
-    int firstRay;     ///< first row of rays that meet anything
+    int firstRay;  ///< first row of rays that meet anything
     float thickest;
 };
+
+template <class T>
+HWY_INLINE void clear(T& values) {
+    std::memset(&values, 0, sizeof values);
+}
+
+template <int kChannels>
+HWY_INLINE void fillSurfaces(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& fields,
+                             LinearBrick<kChannels>& brick) {
+    const auto normalsOf = [&](const Quartet::Part& part) {
+        return fields.surfaces && part.brick != kNoBrick ? fields.surfaces->normals(part.brick) : nullptr;
+    };
+    brick.surfaces = std::any_of(quartet.parts, quartet.parts + 4, normalsOf);
+    brick.furnace = brick.surfaces && fields.furnace.data;
+    if (!brick.surfaces) return;
+    clear(brick.normals);
+    clear(brick.measured);
+    clear(brick.furnaceIn);
+    HWY_ALIGN float ones[kBrickVoxels];
+    std::fill_n(ones, kBrickVoxels, 1.0f);
+    for (const Quartet::Part& part : quartet.parts) {
+        if (!normalsOf(part)) continue;
+        pad(axis, part, normalsOf(part), brick.normals);
+        pad(axis, part, ones, brick.measured);
+    }
+}
 
 template <ExchangeModel kModel, int kChannels>
 void fill(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& fields, const ExchangeStep& step,
           LinearBrick<kChannels>& brick) {
-    std::memset(&brick, 0, sizeof brick);
-    const auto present = [&](int part) { return quartet.parts[part].brick != kNoBrick; };
-    brick.rows = present(1) || present(3) ? kRows : kBrickEdge;
-    brick.width = present(2) || present(3) ? kWidth : kBrickEdge;
-    brick.firstRay = present(0) || present(2) ? 0 : kBrickEdge - 1;
+    clear(brick.tau);
+    for (int c = 0; c < kChannels; ++c) {
+        clear(brick.unshot[c]);
+        clear(brick.in[c]);
+    }
     for (const Quartet::Part& part : quartet.parts) {
         if (part.brick == kNoBrick) continue;
         pad(axis, part, fields.tau.brick(part.brick), brick.tau);
         for (int c = 0; c < kChannels; ++c) pad(axis, part, fields.unshot[c].brick(part.brick), brick.unshot[c]);
-        const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(part.brick) : nullptr;
-        if (!normals) continue;
-        brick.surfaces = true;
-        brick.furnace = fields.furnace.data != nullptr;
-        pad(axis, part, normals, brick.normals);
-        HWY_ALIGN float ones[kBrickVoxels];
-        std::fill_n(ones, kBrickVoxels, 1.0f);
-        pad(axis, part, ones, brick.measured);
     }
+    fillSurfaces(axis, quartet, fields, brick);
+    const bool last = quartet.parts[0].brick == kNoBrick && quartet.parts[2].brick == kNoBrick;
+    brick.firstRay = last ? kBrickEdge - 1 : 0;
     Vec most = hn::Zero(kLanes);
     for (int j = 0; j < kBrickEdge; ++j)
-        for (int r = 0; r < brick.rows; ++r)
-            for (int lane = 0; lane < brick.width; lane += int(hn::Lanes(kLanes))) {
-                const Vec tau = hn::Load(kLanes, brick.tau.value[j][r] + lane);
-                most = hn::Max(most, tau);
-                hn::Store(hn::Mul(inverseEscape<kModel>(step, tau), hn::Set(kLanes, step.zeta)), kLanes,
-                          brick.shotPart.value[j][r] + lane);
-            }
+        for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
+            const Vec tau = hn::Load(kLanes, brick.tau.value[j] + i);
+            most = hn::Max(most, tau);
+            hn::Store(hn::Mul(inverseEscape<kModel>(step, tau), hn::Set(kLanes, step.zeta)), kLanes,
+                      brick.shotPart.value[j] + i);
+        }
     brick.thickest = hn::GetLane(hn::MaxOfLanes(kLanes, most));
 }
 
 /// What the voxels of a slice do to the rays of a beam, and the rays before.
 template <int kChannels>
 struct LinearSlice {
-    static constexpr int kLeft = kBrickEdge, kRayWidth = kLeft + kWidth;
-    HWY_ALIGN float opacity[kRows][kWidth];
-    HWY_ALIGN float out[kChannels][kRows][kWidth];
-    HWY_ALIGN float taken[kRows][kWidth];  ///< opacity inside solids, for the furnace
-    HWY_ALIGN float solid[kRows][kWidth];  ///< 1 where rays are inside, -1 where they leave, else 0
-    HWY_ALIGN float rays[kChannels][kRows + 1][kRayWidth];  ///< ray (row, column) at [row + 1][kLeft + column]
-    HWY_ALIGN float furnace[kRows + 1][kRayWidth];
+    HWY_ALIGN float opacity[kSlice];
+    HWY_ALIGN float out[kChannels][kSlice];
+    HWY_ALIGN float taken[kSlice];  ///< opacity inside solids, for the furnace
+    HWY_ALIGN float solid[kSlice];  ///< 1 where rays are inside, -1 where they leave, else 0
+    // Rays lie one row and one column on: ray (row, column) at [(row + 1) * kEdge + column + 1].
+    HWY_ALIGN float rays[kChannels][kSlice + kEdge];
+    HWY_ALIGN float furnace[kSlice + kEdge];
+    HWY_ALIGN float met[kSlice];  ///< rays as voxels meet them
 };
 
 /// Bilinear weights of the voxels around a ray; the same for all rays of a slice.
 struct Stencil {
-    Vec column, row;  ///< of the upper voxels
+    float columnPart, rowPart;  ///< of the upper voxels
+    Vec column, row;
 
     Stencil(const RayFront& front, int k)
-        : column(hn::Set(kLanes, float(front.column.position(k) - front.column.shift(k)))),
-          row(hn::Set(kLanes, float(front.row.position(k) - front.row.shift(k)))) {}
+        : columnPart(float(front.column.position(k) - front.column.shift(k))),
+          rowPart(float(front.row.position(k) - front.row.shift(k))),
+          column(hn::Set(kLanes, columnPart)),
+          row(hn::Set(kLanes, rowPart)) {}
 
     static HWY_INLINE Vec mix(Vec part, Vec lower, Vec upper) {
         return hn::MulAdd(part, upper, hn::NegMulAdd(part, lower, lower));
     }
-    /// Value at rays between voxels at `row` and the next ones on.
     HWY_INLINE Vec acrossColumns(const float* at) const {
         return mix(column, hn::LoadU(kLanes, at), hn::LoadU(kLanes, at + 1));
     }
-    /// Value at voxels between rays at `row` and the ones before.
-    HWY_INLINE Vec fromColumns(const float* at) const {
-        return mix(column, hn::LoadU(kLanes, at), hn::LoadU(kLanes, at - 1));
+    /// Of voxels, at rays.
+    HWY_INLINE Vec atRays(const float* slice, int row0, int lane) const {
+        const float* const at = slice + row0 * kEdge + lane;
+        return mix(row, acrossColumns(at), acrossColumns(at + kEdge));
     }
 };
 
@@ -181,59 +207,67 @@ struct Stencil {
 template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces>
 HWY_INLINE void findTerms(const ExchangeStep& step, const Beam& beam, const LinearBrick<kChannels>& brick, int j,
                           LinearSlice<kChannels>& slice) {
-    for (int r = 0; r < brick.rows; ++r)
-        for (int lane = 0; lane < brick.width; lane += int(hn::Lanes(kLanes))) {
-            const Vec tau = hn::Load(kLanes, brick.tau.value[j][r] + lane);
-            const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j][r] + lane);
-            RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.stepScale, tau, shotPart);
-            if (kSurfaces) {
-                const RowSurfaces surfaces = rowSurfaces(step, brick.normals.value[j][r] + lane, tau);
-                const RowSolids solids = applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
-                const Vec measured = hn::Load(kLanes, brick.measured.value[j][r] + lane);
-                const Vec inside = hn::IfThenElseZero(solids.inside, measured);
-                const Vec leaving = hn::IfThenElseZero(solids.leaving, measured);
-                hn::Store(hn::Sub(inside, leaving), kLanes, slice.solid[r] + lane);
-                hn::Store(hn::Mul(inside, terms.opacity), kLanes, slice.taken[r] + lane);
-            }
-            hn::Store(terms.opacity, kLanes, slice.opacity[r] + lane);
-            for (int c = 0; c < kChannels; ++c)
-                hn::Store(hn::Mul(terms.shot, hn::Load(kLanes, brick.unshot[c].value[j][r] + lane)), kLanes,
-                          slice.out[c][r] + lane);
+    for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
+        const Vec tau = hn::Load(kLanes, brick.tau.value[j] + i);
+        const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j] + i);
+        RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.stepScale, tau, shotPart);
+        if (kSurfaces) {
+            const RowSurfaces surfaces = rowSurfaces(step, brick.normals.value[j] + i, tau);
+            const RowSolids solids = applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
+            const Vec measured = hn::Load(kLanes, brick.measured.value[j] + i);
+            const Vec inside = hn::IfThenElseZero(solids.inside, measured);
+            const Vec leaving = hn::IfThenElseZero(solids.leaving, measured);
+            hn::Store(hn::Sub(inside, leaving), kLanes, slice.solid + i);
+            hn::Store(hn::Mul(inside, terms.opacity), kLanes, slice.taken + i);
         }
+        hn::Store(terms.opacity, kLanes, slice.opacity + i);
+        for (int c = 0; c < kChannels; ++c)
+            hn::Store(hn::Mul(terms.shot, hn::Load(kLanes, brick.unshot[c].value[j] + i)), kLanes, slice.out[c] + i);
+    }
+}
+
+/// Where ray (row, lane) is remembered.
+HWY_INLINE float* remembered(float* rays, int row, int lane) {
+    return rays + (row + 1) * kEdge + lane + 1;
 }
 
 /// Takes the rays of a beam through a slice, and remembers what they were before.
 template <int kChannels, bool kClipped>
 HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
                          LinearSlice<kChannels>& slice) {
-    for (int r = firstRay; r < kBrickEdge; ++r)
-        for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-            const auto at = [&](const auto& field) {
-                return Stencil::mix(stencil.row, stencil.acrossColumns(field[r] + lane),
-                                    stencil.acrossColumns(field[r + 1] + lane));
-            };
-            const Vec opacity = at(slice.opacity);
+    for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+        const int start = firstRay * kEdge + lane;
+        Vec opacity = stencil.acrossColumns(slice.opacity + start), out[kChannels];
+        for (int c = 0; c < kChannels; ++c) out[c] = stencil.acrossColumns(slice.out[c] + start);
+        for (int r = firstRay; r < kBrickEdge; ++r) {
+            const int above = (r + 1) * kEdge + lane;
+            const Vec opacityAbove = stencil.acrossColumns(slice.opacity + above);
+            const Vec lost = Stencil::mix(stencil.row, opacity, opacityAbove);
+            opacity = opacityAbove;
             for (int c = 0; c < kChannels; ++c) {
-                float* const to = slice.rays[c][r + 1] + slice.kLeft + lane;
+                const Vec outAbove = stencil.acrossColumns(slice.out[c] + above);
+                const Vec given = Stencil::mix(stencil.row, out[c], outAbove);
+                out[c] = outAbove;
+                float* const to = remembered(slice.rays[c], r, lane);
                 if (kClipped && clip.missesRow(r)) {
-                    hn::Store(hn::Zero(kLanes), kLanes, to);
+                    hn::StoreU(hn::Zero(kLanes), kLanes, to);
                     continue;
                 }
                 float* const power = beam.power + c * beam.planeStride + beam.rowStart[r] + lane;
                 const Vec e = hn::LoadU(kLanes, power);
                 // Weights that sum to 1 but for rounding can leave a dark ray at -1e-8 of what it carried.
-                Vec after = hn::Add(hn::NegMulAdd(e, opacity, e), at(slice.out[c]));
-                after = hn::Max(after, hn::Zero(kLanes));
+                Vec after = hn::Max(hn::Add(hn::NegMulAdd(e, lost, e), given), hn::Zero(kLanes));
                 Vec before = e;
                 if (kClipped) {
                     const auto lanes = clip.lanes(lane);
                     before = hn::IfThenElseZero(lanes, before);
                     after = hn::IfThenElse(lanes, after, e);
                 }
-                hn::Store(before, kLanes, to);
+                hn::StoreU(before, kLanes, to);
                 hn::StoreU(after, kLanes, power);
             }
         }
+    }
 }
 
 /// The same for the local furnace.
@@ -243,21 +277,17 @@ HWY_INLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stenc
     const Vec zero = hn::Zero(kLanes);
     for (int r = firstRay; r < kBrickEdge; ++r)
         for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-            float* const to = slice.furnace[r + 1] + slice.kLeft + lane;
+            float* const to = remembered(slice.furnace, r, lane);
             if (kClipped && clip.missesRow(r)) {
-                hn::Store(zero, kLanes, to);
+                hn::StoreU(zero, kLanes, to);
                 continue;
             }
-            const auto at = [&](const auto& field) {
-                return Stencil::mix(stencil.row, stencil.acrossColumns(field[r] + lane),
-                                    stencil.acrossColumns(field[r + 1] + lane));
-            };
             const std::ptrdiff_t ray = beam.rowStart[r] + lane;
             const Vec f = hn::LoadU(kLanes, beam.furnace + ray), last = hn::LoadU(kLanes, beam.lastSlice + ray);
             const auto close = hn::Ge(last, hn::Set(kLanes, float(k - kSurfaceGap)));
             Vec before = hn::IfThenElse(close, f, hn::Set(kLanes, beam.beam->furnaceRay));
-            Vec after = hn::Max(zero, hn::NegMulAdd(before, at(slice.taken), before));
-            const Vec inside = at(slice.solid);
+            Vec after = hn::Max(zero, hn::NegMulAdd(before, stencil.atRays(slice.taken, r, lane), before));
+            const Vec inside = stencil.atRays(slice.solid, r, lane);
             Vec lastNow = hn::IfThenElse(hn::Lt(inside, zero), hn::Set(kLanes, kLongAgo), last);
             lastNow = hn::IfThenElse(hn::Gt(inside, zero), hn::Set(kLanes, float(k)), lastNow);
             if (kClipped) {
@@ -266,25 +296,35 @@ HWY_INLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stenc
                 after = hn::IfThenElse(lanes, after, f);
                 lastNow = hn::IfThenElse(lanes, lastNow, last);
             }
-            hn::Store(before, kLanes, to);
+            hn::StoreU(before, kLanes, to);
             hn::StoreU(after, kLanes, beam.furnace + ray);
             hn::StoreU(lastNow, kLanes, beam.lastSlice + ray);
         }
 }
 
-/// Adds what the voxels of slice `j` take of the rays around them.
-template <class Opacity, class Rays>
-HWY_INLINE void takeFromRays(const Stencil& stencil, const Opacity& opacity, const Rays& rays, int left, int rows,
-                             int width, float (*in)[kWidth]) {
-    for (int lane = 0; lane < width; lane += int(hn::Lanes(kLanes))) {
-        Vec before = stencil.fromColumns(rays[0] + left + lane);
-        for (int r = 0; r < rows; ++r) {
-            const Vec here = stencil.fromColumns(rays[r + 1] + left + lane);
-            const Vec met = Stencil::mix(stencil.row, here, before);
-            const Vec sum = hn::MulAdd(hn::Load(kLanes, opacity[r] + lane), met, hn::Load(kLanes, in[r] + lane));
-            hn::Store(sum, kLanes, in[r] + lane);
+/// Adds what the voxels of a slice take of the rays around them.
+/// @param rays as remembered  @param met room for the rays as voxels meet them
+HWY_INLINE void takeFromRays(const Stencil& stencil, const float* opacity, const float* rays, float* met, float* in) {
+    for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+        const auto fromColumns = [&](int row) {
+            const float* const at = rays + row * kEdge + lane;
+            return Stencil::mix(stencil.column, hn::LoadU(kLanes, at + 1), hn::LoadU(kLanes, at));
+        };
+        Vec before = fromColumns(0);
+        for (int r = 0; r < kEdge; ++r) {
+            const Vec here = fromColumns(r + 1);
+            hn::StoreU(Stencil::mix(stencil.row, here, before), kLanes, met + r * kEdge + lane);
             before = here;
         }
+    }
+    // The column beyond meets the last ray of each row.
+    for (int r = 0; r < kEdge; ++r) {
+        const float before = rays[r * kEdge + kBrickEdge], here = rays[(r + 1) * kEdge + kBrickEdge];
+        met[r * kEdge + kBrickEdge] = stencil.columnPart * (here + stencil.rowPart * (before - here));
+    }
+    for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
+        const Vec taken = hn::Mul(hn::Load(kLanes, opacity + i), hn::Load(kLanes, met + i));
+        hn::Store(hn::Add(hn::Load(kLanes, in + i), taken), kLanes, in + i);
     }
 }
 
@@ -292,7 +332,7 @@ template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, b
 void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
                     LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
     const RayFront& front = swept.beams[0].front;
-    std::memset(&slice, 0, sizeof slice);
+    clear(slice);
     for (int j = 0; j < kBrickEdge; ++j) {
         const int k = visit.step + j, at = front.ascending ? j : kBrickEdge - 1 - j;
         const Clip clip = kClipped ? clipToLattice(front, swept.rays[0], visit, k) : Clip();
@@ -304,12 +344,10 @@ void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const Exch
             findTerms<kModel, kChannels, kThinOnly, kSurfaces>(step, beam, brick, at, slice);
             stepRays<kChannels, kClipped>(rays, clip, stencil, brick.firstRay, slice);
             for (int c = 0; c < kChannels; ++c)
-                takeFromRays(stencil, slice.opacity, slice.rays[c], slice.kLeft, brick.rows, brick.width,
-                             brick.in[c].value[at]);
+                takeFromRays(stencil, slice.opacity, slice.rays[c], slice.met, brick.in[c].value[at]);
             if (!kSurfaces || !brick.furnace) continue;
             stepFurnace<kChannels, kClipped>(rays, clip, stencil, brick.firstRay, k, slice);
-            takeFromRays(stencil, slice.taken, slice.furnace, slice.kLeft, brick.rows, brick.width,
-                         brick.furnaceIn.value[at]);
+            takeFromRays(stencil, slice.taken, slice.furnace, slice.met, brick.furnaceIn.value[at]);
         }
     }
 }

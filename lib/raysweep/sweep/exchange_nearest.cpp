@@ -218,8 +218,8 @@ void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const Exch
                     hn::Store(hn::Zero(kLanes), kLanes, exchanged.met + at + lane);
                     continue;
                 }
-                exchangeRow<kModel, kChannels, kThinOnly, kSurfaces, kClipped>(step, view, beams, count, row, lane,
-                                                                               at + lane, k, clip.lanes(lane), exchanged);
+                exchangeRow<kModel, kChannels, kThinOnly, kSurfaces, kClipped>(
+                    step, view, beams, count, row, lane, at + lane, k, clip.lanes(lane), exchanged);
             }
     }
 }

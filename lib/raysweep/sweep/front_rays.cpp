@@ -54,8 +54,7 @@ void FrontRays::spanBricks(const RayFront& front, const TileIndex& index) {
                                        columnShift(step), columnShift(end), columns_);
         for (int v = rows.begin; v < rows.end; ++v) {
             RayRange& all = span(v);
-            all = all.empty() ? columns
-                              : RayRange{std::min(all.begin, columns.begin), std::max(all.end, columns.end)};
+            all = all.empty() ? columns : RayRange{std::min(all.begin, columns.begin), std::max(all.end, columns.end)};
         }
     }
 }
@@ -107,7 +106,8 @@ void FrontRays::arrive(const RayFront& front, CrossingRays& arriving) {
         entered_ -= columns.size();
         for (int u = columns.begin; u < columns.end; ++u) {
             const std::ptrdiff_t ray = rowStarts()[v] + u;
-            for (int c = 0; c < channels_; ++c) power()[std::ptrdiff_t(std::size_t(c) * plane_) + ray] = arriving.at(c, v, u);
+            for (int c = 0; c < channels_; ++c)
+                power()[std::ptrdiff_t(std::size_t(c) * plane_) + ray] = arriving.at(c, v, u);
             if (!furnace_ || arriving.furnace.empty()) continue;
             furnace()[ray] = arriving.furnaceAt(v, u);
             lastSlice()[ray] = arriving.sliceAt(v, u);

@@ -64,8 +64,11 @@ RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpol
     const BrickView<float> furnace = fields.furnace;
     BrickField unused;
     if (furnace.data) fields.furnace = viewOf(unused = BrickField(fields.surfaces->bricks.size()));
-    CrossingRays arriving(beam.front, fields.channels, furnace.data), leaving(beam.front, fields.channels, furnace.data);
-    const auto once = [&] { return sweepThrough(volume, {beam}, interpolation, fields, step, {&arriving, &leaving})[0]; };
+    CrossingRays arriving(beam.front, fields.channels, furnace.data),
+        leaving(beam.front, fields.channels, furnace.data);
+    const auto once = [&] {
+        return sweepThrough(volume, {beam}, interpolation, fields, step, {&arriving, &leaving})[0];
+    };
     RaySums totals = once();
     step.zeta = 0;
     for (int c = 0; c < fields.channels; ++c) {
@@ -113,9 +116,12 @@ std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& b
                            const ExchangeFields& fields, const ExchangeStep& step) {
     const RayFront& first = beams.at(0).front;
     for (const Beam& beam : beams)
-        if (!goTogether(first, beam.front)) throw InvalidArgument("the beams of a sweep must go the same way along every axis");
-    if (beams.size() > kMostBeams || (beams.size() > 1 && (volume.periodic[0] || volume.periodic[1] || volume.periodic[2])))
-        throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) + " beams, and one in a periodic volume");
+        if (!goTogether(first, beam.front))
+            throw InvalidArgument("the beams of a sweep must go the same way along every axis");
+    if (beams.size() > kMostBeams ||
+        (beams.size() > 1 && (volume.periodic[0] || volume.periodic[1] || volume.periodic[2])))
+        throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) +
+                              " beams, and one in a periodic volume");
     if (first.periodic) return {sweepAround(volume, beams[0], interpolation, fields, step)};
     return sweepThrough(volume, beams, interpolation, fields, step);
 }

@@ -51,9 +51,9 @@ std::vector<Index3> marginsBelow(const BrickLayout& layout, const BrickMap& map,
         }
     const auto key = [](const Index3& a) { return std::make_tuple(a.x, a.y, a.z); };
     std::sort(margins.begin(), margins.end(), [&](const Index3& a, const Index3& b) { return key(a) < key(b); });
-    margins.erase(std::unique(margins.begin(), margins.end(),
-                              [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
-                  margins.end());
+    margins.erase(
+        std::unique(margins.begin(), margins.end(), [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
+        margins.end());
     return margins;
 }
 

@@ -20,7 +20,7 @@ class TileIndex {
     };
     /// A row of bricks.
     struct Row {
-        int layer, row;           ///< voxel coordinates of its low corner
+        int layer, row;          ///< voxel coordinates of its low corner
         std::size_t first, end;  ///< in `entries`
     };
 

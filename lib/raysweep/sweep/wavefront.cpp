@@ -63,7 +63,8 @@ Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const Til
 
 std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     std::vector<BrickVisit> result;
-    const int low = rowsUp_ ? rows_.begin + strip * stripRows_ : std::max(rows_.begin, rows_.end - (strip + 1) * stripRows_);
+    const int low =
+        rowsUp_ ? rows_.begin + strip * stripRows_ : std::max(rows_.begin, rows_.end - (strip + 1) * stripRows_);
     const int high = rowsUp_ ? std::min(rows_.end, low + stripRows_) : rows_.end - strip * stripRows_;
     const int endStep = std::min(front_.slices, (slab + 1) * slabSlices_);
     for (int step = slab * slabSlices_; step < endStep; step += kBrickEdge) {
@@ -81,8 +82,8 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
 void Wavefront::addRow(const TileIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const {
     forEachImage(front_, front_.column, step, front_.column.low, front_.column.high, columnsUp_, [&](int columnImage) {
         for (std::size_t i = 0; i < row.end - row.first; ++i)
-            to.push_back(visitOf(index_.entries()[columnsUp_ ? row.first + i : row.end - 1 - i], row, columnImage, image,
-                                 step));
+            to.push_back(
+                visitOf(index_.entries()[columnsUp_ ? row.first + i : row.end - 1 - i], row, columnImage, image, step));
     });
 }
 
