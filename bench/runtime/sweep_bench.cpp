@@ -9,6 +9,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -73,7 +74,7 @@ openvdb::FloatGrid::Ptr smokeInLargeBox() {
 
 /// A state as in the middle of a solution: everything has been touched.
 std::unique_ptr<SolverState> makeState(const openvdb::FloatGrid::Ptr& density, double extinction,
-                                       Interpolation interpolation, bool coloured) {
+                                       Interpolation interpolation, bool coloured, Exchange exchange) {
     Scene scene;
     scene.medium.density = density;
     scene.medium.extinctionScale = extinction;
@@ -81,6 +82,7 @@ std::unique_ptr<SolverState> makeState(const openvdb::FloatGrid::Ptr& density, d
     scene.sky.radiance = grey(1);
     IlluminateOptions options;
     options.interpolation = interpolation;
+    options.exchange = exchange;
     auto state = std::make_unique<SolverState>(prepareState(scene, options, planIllumination(scene, options)));
     allocateSweepFields(*state, options);
     return state;
@@ -90,17 +92,23 @@ using Volume = openvdb::FloatGrid::Ptr (*)();
 openvdb::FloatGrid::Ptr paperBlock() {
     return denseBlock(276, 276, 130);
 }
+/// Walls, eight voxels thick, with as much room between them: every brick has surfaces or the inside of a solid.
+openvdb::FloatGrid::Ptr walledBlock() {
+    const auto grid = paperBlock();
+    for (int x = 4; x < 276; x += 16) grid->denseFill({{x, 0, 0}, {std::min(x + 7, 275), 275, 129}}, 1.0f);
+    return grid;
+}
 openvdb::FloatGrid::Ptr cachedBlock() {
     return denseBlock(40, 40, 40);
 }  // its fields fit a core's own cache
 
 /// `major` in 0..2 takes directions of that axis only, 3 all.
 void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolation, bool coloured, int threads,
-                int major, int beamCount = 4) {
+                int major, int beamCount = 4, Exchange exchange = Exchange::medium) {
     const openvdb::FloatGrid::Ptr density = volume();
     if (!density) return bench.SkipWithError("the smoke volume is not there");
-    const auto state = makeState(density, 1.0, interpolation, coloured);
-    const ExchangeFields fields = exchangeFields(*state, false);
+    const auto state = makeState(density, 1.0, interpolation, coloured, exchange);
+    const ExchangeFields fields = exchangeFields(*state, /*injecting=*/true);
     DirectionSequence directions({DirectionSet::fibonacci, 96, 1, beamCount}, [](const Vec3& d) {
         return majorAxis(d) * 8 + (d.x < 0 ? 4 : 0) + (d.y < 0 ? 2 : 0) + (d.z < 0 ? 1 : 0);
     });
@@ -115,7 +123,7 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
                 for (float& power : beams.back().entering) power = 1;
             }
         } while (int(beams.size()) < beamCount || (major < 3 && beams[0].front.axis.major != major));
-        const ExchangeStep step = exchangeStep(*state, 0.5, beamCount);
+        const ExchangeStep step = exchangeStep(*state, 0.1 / beamCount, beamCount);
         benchmark::DoNotOptimize(sweep(state->volume, beams, interpolation, fields, step));
         if (interpolation == Interpolation::linear) settle(state->volume, beams, fields, step);
     };
@@ -147,6 +155,7 @@ SWEEP_BENCH(dense_nearest_z, paperBlock, Interpolation::nearest, false, 2, 2);
 SWEEP_BENCH(dense_nearest_1thread, paperBlock, Interpolation::nearest, false, 1, 3);
 SWEEP_BENCH(cached_nearest_1thread, cachedBlock, Interpolation::nearest, false, 1, 3);
 SWEEP_BENCH(dense_linear, paperBlock, Interpolation::linear, false, 2, 3);
+SWEEP_BENCH(dense_surfaces, walledBlock, Interpolation::nearest, false, 2, 3, 4, Exchange::surface);
 SWEEP_BENCH(dense_colour, paperBlock, Interpolation::nearest, true, 2, 3);
 SWEEP_BENCH(smoke_nearest, smoke, Interpolation::nearest, false, 2, 3);
 SWEEP_BENCH(smoke_nearest_1thread, smoke, Interpolation::nearest, false, 1, 3);

@@ -1,8 +1,8 @@
 /// Raysweep: light transport and reconstruction in sparse volumes.
 ///
 /// One call lights a volume: illuminate(scene, options). To see how it works, read in this order: sweep/ray_front.h (a
-/// front of rays), sweep/ray_tiles.h (what of it is made), sweep/exchange.h (what rays and voxels exchange),
-/// illuminate/illuminate.h (what is iterated). Quantities and units: docs/units.md.
+/// front of rays), sweep/exchange.h (what rays and voxels exchange), sweep/wavefront.h (in which order),
+/// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins). Quantities and units: docs/units.md.
 #pragma once
 
 #include "raysweep/camera/camera.h"

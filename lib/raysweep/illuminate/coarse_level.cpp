@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 namespace raysweep {
 namespace {
@@ -24,11 +23,8 @@ std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
     std::vector<Index3> origins;
     origins.reserve(fine.brickCount());
     for (const Index3& origin : fine.origins) origins.push_back(coarseOrigin(fine, origin));
-    const auto key = [](const Index3& a) { return std::make_tuple(a.x, a.y, a.z); };
-    std::sort(origins.begin(), origins.end(), [&](const Index3& a, const Index3& b) { return key(a) < key(b); });
-    origins.erase(
-        std::unique(origins.begin(), origins.end(), [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
-        origins.end());
+    std::sort(origins.begin(), origins.end(), lessOrigin);
+    origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
     return origins;
 }
 

@@ -155,7 +155,9 @@ ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams) {
     step.model = state.exchange;
     step.escape = state.escape.fit();
     step.zeta = float(zeta);
-    step.mostShot = 1.0f / float(beams);
+    // A hair less than its share where shares are rounded, so that together they never take more than there is.
+    constexpr float kRounding = 1e-6f;
+    step.mostShot = (beams & (beams - 1)) == 0 ? 1.0f / float(beams) : (1 - kRounding) / float(beams);
     step.solidTau = float(state.solidTau());
     return step;
 }

@@ -249,10 +249,12 @@ std::unique_ptr<CoarseLevel> startFromCoarse(SolverState& state, Solver& solver,
 PowerBalance settleOnCoarse(CoarseLevel& coarse, SolverState& state, double enough, const Scene& scene,
                             const IlluminateOptions& options, const ProgressCallback& progress,
                             Termination& termination) {
+    IlluminateOptions onCoarse = options;
+    onCoarse.afterSweep = {};
     for (const int sign : {1, -1}) {
         coarse.takeChange(state, sign);
-        Solver solver(scene, options, coarse.state,
-                      kSettling);  // the same directions for both: their noise is the same
+        // The same directions for both: their noise is the same.
+        Solver solver(scene, onCoarse, coarse.state, kSettling);
         shootRemaining(solver, coarse.state, enough, progress, termination);
         coarse.bookChange(sign);
     }

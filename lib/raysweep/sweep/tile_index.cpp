@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <tuple>
 
 namespace raysweep {
 
@@ -25,17 +24,34 @@ TileIndex::TileIndex(const std::vector<Index3>& origins, const std::vector<Index
             rows_.push_back({layer, row, entries_.size(), entries_.size()});
         entries_.push_back({i < origins.size() ? std::uint32_t(i) : kNoBrick, here[axis.column]});
         rows_.back().end = entries_.size();
+        if (layers_.empty() || layers_.back().layer != layer) layers_.push_back({layer, rows_.size() - 1, 0});
+        layers_.back().end = rows_.size();
     }
 }
 
-std::pair<std::size_t, std::size_t> TileIndex::find(int layer, int rowLow, int rowHigh) const {
-    const auto firstFrom = [&](int row) {
-        const auto found = std::lower_bound(rows_.begin(), rows_.end(), row, [&](const Row& a, int b) {
-            return a.layer != layer ? a.layer < layer : a.row < b;
-        });
-        return std::size_t(found - rows_.begin());
+namespace {
+
+/// Places [first, end) among [begin, end) of `items`, which ascend by `key`, whose key is in [low, high).
+template <class Item>
+std::pair<std::size_t, std::size_t> findBetween(const std::vector<Item>& items, std::size_t begin, std::size_t end,
+                                                int Item::*key, int low, int high) {
+    const auto firstFrom = [&](int value) {
+        const auto at = [&](std::size_t i) { return items.begin() + std::ptrdiff_t(i); };
+        return std::size_t(std::lower_bound(at(begin), at(end), value,
+                                            [&](const Item& item, int bound) { return item.*key < bound; }) -
+                           items.begin());
     };
-    return {firstFrom(rowLow), firstFrom(rowHigh)};
+    return {firstFrom(low), firstFrom(high)};
+}
+
+}  // namespace
+
+std::pair<std::size_t, std::size_t> TileIndex::findLayers(int low, int high) const {
+    return findBetween(layers_, 0, layers_.size(), &Layer::layer, low, high);
+}
+
+std::pair<std::size_t, std::size_t> TileIndex::findRows(const Layer& layer, int low, int high) const {
+    return findBetween(rows_, layer.first, layer.end, &Row::row, low, high);
 }
 
 std::vector<Index3> marginsBelow(const BrickLayout& layout, const BrickMap& map, const Periodic& periodic,
@@ -49,11 +65,8 @@ std::vector<Index3> marginsBelow(const BrickLayout& layout, const BrickMap& map,
             below = wrapped(layout, periodic, below);
             if (map.find(below) == kNoBrick) margins.push_back(below);
         }
-    const auto key = [](const Index3& a) { return std::make_tuple(a.x, a.y, a.z); };
-    std::sort(margins.begin(), margins.end(), [&](const Index3& a, const Index3& b) { return key(a) < key(b); });
-    margins.erase(
-        std::unique(margins.begin(), margins.end(), [&](const Index3& a, const Index3& b) { return key(a) == key(b); }),
-        margins.end());
+    std::sort(margins.begin(), margins.end(), lessOrigin);
+    margins.erase(std::unique(margins.begin(), margins.end()), margins.end());
     return margins;
 }
 

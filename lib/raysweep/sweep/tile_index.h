@@ -30,12 +30,21 @@ class TileIndex {
     const std::vector<Entry>& entries() const { return entries_; }
     /// Ascending in (layer, row).
     const std::vector<Row>& rows() const { return rows_; }
-    /// Rows [first, end) whose layer begins at `layer` and whose row begins in [rowLow, rowHigh).
-    std::pair<std::size_t, std::size_t> find(int layer, int rowLow, int rowHigh) const;
+    struct Layer {
+        int layer;
+        std::size_t first, end;  ///< in `rows`
+    };
+    /// Ascending.
+    const std::vector<Layer>& layers() const { return layers_; }
+    /// Layers [first, end) that begin in [low, high).
+    std::pair<std::size_t, std::size_t> findLayers(int low, int high) const;
+    /// Rows [first, end) of a layer that begin in [low, high).
+    std::pair<std::size_t, std::size_t> findRows(const Layer& layer, int low, int high) const;
 
   private:
     std::vector<Entry> entries_;
     std::vector<Row> rows_;
+    std::vector<Layer> layers_;
 };
 
 /// Origins of the empty bricks that have a brick next to them on the upper side of the axis' row, column or both: rays

@@ -66,14 +66,18 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     const int low =
         rowsUp_ ? rows_.begin + strip * stripRows_ : std::max(rows_.begin, rows_.end - (strip + 1) * stripRows_);
     const int high = rowsUp_ ? std::min(rows_.end, low + stripRows_) : rows_.end - strip * stripRows_;
-    const int endStep = std::min(front_.slices, (slab + 1) * slabSlices_);
-    for (int step = slab * slabSlices_; step < endStep; step += kBrickEdge) {
-        const int layer = front_.ascending ? front_.firstSlice + step : front_.firstSlice - step - (kBrickEdge - 1);
+    const int begin = slab * slabSlices_, end = std::min(front_.slices, begin + slabSlices_);
+    const auto [first, last] = front_.ascending
+                                   ? index_.findLayers(front_.firstSlice + begin, front_.firstSlice + end)
+                                   : index_.findLayers(front_.firstSlice - end + 1, front_.firstSlice - begin + 1);
+    for (std::size_t n = 0; n < last - first; ++n) {
+        const TileIndex::Layer& layer = index_.layers()[front_.ascending ? first + n : last - 1 - n];
+        const int step = front_.firstStep(layer.layer);
         forEachImage(front_, front_.row, step, front_.row.low, front_.row.high, rowsUp_, [&](int image) {
             const int offset = image * front_.row.size();
-            const auto [first, end] = index_.find(layer, low - offset, high - offset);
-            for (std::size_t i = 0; i < end - first; ++i)
-                addRow(index_.rows()[rowsUp_ ? first + i : end - 1 - i], image, step, result);
+            const auto [firstRow, endRow] = index_.findRows(layer, low - offset, high - offset);
+            for (std::size_t i = 0; i < endRow - firstRow; ++i)
+                addRow(index_.rows()[rowsUp_ ? firstRow + i : endRow - 1 - i], image, step, result);
         });
     }
     return result;

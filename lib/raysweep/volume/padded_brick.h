@@ -20,7 +20,8 @@ struct PaddedBrick {
             for (int j = -1; j <= 1; ++j)
                 for (int k = -1; k <= 1; ++k) {
                     const Index3 side(i, j, k);
-                    const std::uint32_t neighbour = map.find(wrapped(layout, periodic, layout.origins[b] + side * kBrickEdge));
+                    const std::uint32_t neighbour =
+                        map.find(wrapped(layout, periodic, layout.origins[b] + side * kBrickEdge));
                     const T* const from = neighbour == kNoBrick ? nullptr : valuesOf(neighbour);
                     if (from) copyFrom(from, side);
                 }

@@ -67,12 +67,15 @@ TEST(TileIndex, HasEveryBrickOnceInOrder) {
     }
 }
 
-TEST(TileIndex, FindsTheRowsOfALayer) {
+TEST(TileIndex, FindsLayersAndTheirRows) {
     const TileIndex index({{0, 0, 0}, {0, 16, 0}, {0, 16, 8}, {8, 8, 0}}, {}, sweepAxis(0));
-    EXPECT_EQ(index.find(0, 0, 16), std::make_pair(std::size_t(0), std::size_t(1)));
-    EXPECT_EQ(index.find(0, 8, 24), std::make_pair(std::size_t(1), std::size_t(2)));
-    EXPECT_EQ(index.find(8, 0, 8), std::make_pair(std::size_t(2), std::size_t(2)));
-    EXPECT_EQ(index.find(16, 0, 8), std::make_pair(std::size_t(3), std::size_t(3)));
+    const auto range = [](int first, int end) { return std::make_pair(std::size_t(first), std::size_t(end)); };
+    EXPECT_EQ(index.findLayers(0, 8), range(0, 1));
+    EXPECT_EQ(index.findLayers(-8, 16), range(0, 2));
+    EXPECT_EQ(index.findLayers(16, 24), range(2, 2));
+    EXPECT_EQ(index.findRows(index.layers()[0], 0, 16), range(0, 1));
+    EXPECT_EQ(index.findRows(index.layers()[0], 8, 24), range(1, 2));
+    EXPECT_EQ(index.findRows(index.layers()[1], 0, 8), range(2, 2));
 }
 
 TEST(TileIndex, MarginsAreTheEmptyBricksJustBelow) {
