@@ -4,6 +4,7 @@
 #include "raysweep/sweep/sweep.h"
 
 #include <algorithm>
+#include <map>
 
 namespace raysweep {
 namespace {
@@ -35,6 +36,34 @@ void forEachImage(const RayFront& front, const Lateral& lateral, int step, int l
     for (int i = 0; i <= last - first; ++i) visit(up ? first + i : last - i);
 }
 
+/// Rows of a periodic volume as often as rays may meet them.
+std::map<int, std::size_t> withImages(const RayFront& front, const std::map<int, std::size_t>& rows) {
+    const auto [least, most] = std::minmax({front.row.shift(0), front.row.shift(front.slices - 1)});
+    const int period = front.row.size();
+    std::map<int, std::size_t> all;
+    for (int i = floorDivide(least, period) - 1; i <= floorDivide(most, period) + 1; ++i)
+        for (const auto& [row, bricks] : rows) all[row + i * period] = bricks;
+    return all;
+}
+
+/// Bounds of pieces with about as many bricks each. @param bricks by the coordinate where they begin, ascending
+std::vector<int> cut(const std::map<int, std::size_t>& bricks) {
+    std::size_t all = 0;
+    for (const auto& [at, count] : bricks) all += count;
+    const std::size_t perPiece = all / std::size_t(kCellsPerThread * threadCount()) + 1;
+    std::vector<int> bounds;
+    std::size_t inPiece = perPiece;
+    for (const auto& [at, count] : bricks) {
+        if (inPiece >= perPiece) {
+            bounds.push_back(at);
+            inPiece = 0;
+        }
+        inPiece += count;
+    }
+    bounds.push_back(bricks.empty() ? 0 : bricks.rbegin()->first + kBrickEdge);
+    return bounds;
+}
+
 }  // namespace
 
 Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const TileIndex& index, bool withNeighbours)
@@ -44,38 +73,30 @@ Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const Til
       withNeighbours_(withNeighbours),
       rowsUp_(front.row.slope >= 0),
       columnsUp_(front.column.slope >= 0) {
-    const Lateral& row = front.row;
-    rows_ = {row.low - (withNeighbours ? kBrickEdge : 0), row.high};
-    if (row.periodic) {
-        const auto [least, most] = std::minmax({row.shift(0), row.shift(front.slices - 1)});
-        rows_ = {rows_.begin + std::min(0, floorDivide(least, kBrickEdge) * kBrickEdge),
-                 rows_.end + std::max(0, floorDivide(most + kBrickEdge, kBrickEdge) * kBrickEdge)};
+    std::map<int, std::size_t> layers, rows;  // bricks in each
+    for (const TileIndex::Row& row : index.rows()) {
+        layers[row.layer] += row.end - row.first;
+        rows[row.row] += row.end - row.first;
     }
-    const int most = kCellsPerThread * threadCount();
-    const auto cut = [&](int voxels, int& perPiece) {
-        const int bricks = voxels / kBrickEdge;
-        perPiece = std::max(1, (bricks + most - 1) / most) * kBrickEdge;
-        return (voxels + perPiece - 1) / perPiece;
-    };
-    slabs_ = cut(front.slices, slabSlices_);
-    strips_ = cut(rows_.size(), stripRows_);
+    slabs_ = cut(layers);
+    strips_ = cut(front.row.periodic ? withImages(front, rows) : rows);
 }
 
 std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     std::vector<BrickVisit> result;
-    const int low =
-        rowsUp_ ? rows_.begin + strip * stripRows_ : std::max(rows_.begin, rows_.end - (strip + 1) * stripRows_);
-    const int high = rowsUp_ ? std::min(rows_.end, low + stripRows_) : rows_.end - strip * stripRows_;
-    const int begin = slab * slabSlices_, end = std::min(front_.slices, begin + slabSlices_);
-    const auto [first, last] = front_.ascending
-                                   ? index_.findLayers(front_.firstSlice + begin, front_.firstSlice + end)
-                                   : index_.findLayers(front_.firstSlice - end + 1, front_.firstSlice - begin + 1);
+    const auto piece = [](const std::vector<int>& bounds, bool up, int i) {
+        const std::size_t at = std::size_t(up ? i : int(bounds.size()) - 2 - i);
+        return RayRange{bounds[at], bounds[at + 1]};
+    };
+    const RayRange layers = piece(slabs_, front_.ascending, slab);
+    const RayRange range = piece(strips_, rowsUp_, strip);
+    const auto [first, last] = index_.findLayers(layers.begin, layers.end);
     for (std::size_t n = 0; n < last - first; ++n) {
         const TileIndex::Layer& layer = index_.layers()[front_.ascending ? first + n : last - 1 - n];
         const int step = front_.firstStep(layer.layer);
         forEachImage(front_, front_.row, step, front_.row.low, front_.row.high, rowsUp_, [&](int image) {
             const int offset = image * front_.row.size();
-            const auto [firstRow, endRow] = index_.findRows(layer, low - offset, high - offset);
+            const auto [firstRow, endRow] = index_.findRows(layer, range.begin - offset, range.end - offset);
             for (std::size_t i = 0; i < endRow - firstRow; ++i)
                 addRow(index_.rows()[rowsUp_ ? firstRow + i : endRow - 1 - i], image, step, result);
         });

@@ -1,6 +1,7 @@
 /// The bricks that a sweep meets, cut into a table of cells: slabs of layers by strips of brick rows, both in the order
-/// of travel. What a ray meets in a cell comes after what it met in the slab before and in the strip before, so cells
-/// can be worked off as a wavefront (parallelWavefront), each by itself.
+/// of travel, and each with about as many bricks as the next, wherever they are. What a ray meets in a cell comes after
+/// what it met in the slab before and in the strip before, so cells can be worked off as a wavefront
+/// (parallelWavefront), each by itself.
 #pragma once
 
 #include "raysweep/sweep/exchange.h"
@@ -16,8 +17,8 @@ class Wavefront {
     /// @param front of any of the beams  @param index with margins, if `withNeighbours`
     Wavefront(const SweepVolume& volume, const RayFront& front, const TileIndex& index, bool withNeighbours);
 
-    int slabs() const { return slabs_; }
-    int strips() const { return strips_; }
+    int slabs() const { return int(slabs_.size()) - 1; }
+    int strips() const { return int(strips_.size()) - 1; }
     /// The bricks of a cell in the order of travel: layers, rows, columns.
     std::vector<BrickVisit> visits(int slab, int strip) const;
 
@@ -31,8 +32,8 @@ class Wavefront {
     const TileIndex& index_;
     bool withNeighbours_;
     bool rowsUp_, columnsUp_;
-    RayRange rows_;  ///< voxel coordinates of all brick rows, with their images
-    int slabs_, strips_, slabSlices_, stripRows_;
+    // Where pieces begin, and the end; voxel coordinates, ascending.
+    std::vector<int> slabs_, strips_;
 };
 
 }  // namespace raysweep
