@@ -2,7 +2,8 @@
 ///
 /// One call lights a volume: illuminate(scene, options). To see how it works, read in this order: sweep/ray_front.h (a
 /// front of rays), sweep/exchange.h (what rays and voxels exchange), sweep/wavefront.h (in which order),
-/// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins). Quantities and units: docs/units.md.
+/// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins). Quantities and units:
+/// docs/units.md.
 #pragma once
 
 #include "raysweep/camera/camera.h"
