@@ -38,7 +38,7 @@ BrickLayout coarseLayout(const BrickLayout& fine) {
             coarse.high[axis] = std::max(coarse.high[axis], origin[axis] + kBrickEdge);
         }
     coarse.worldFromIndex = fine.worldFromIndex * double(kFactor);
-    coarse.voxelVolume = fine.voxelVolume * (kFactor * kFactor * kFactor);
+    coarse.voxelVolume = fine.voxelVolume * kMerged;
     coarse.activeVoxels = coarse.brickCount() * kBrickVoxels;
     return coarse;
 }
@@ -108,37 +108,32 @@ CoarseLevel::CoarseLevel(const SolverState& fine)
     const std::size_t bricks = state.volume.layout.brickCount();
     state.zero = BrickField(1);
     state.tau = BrickField(bricks);
-    BrickField weight(bricks);  // sum of tau over the voxels that a coarse one replaces
-    parallelFor(
-        origins.size(),
-        [&](std::size_t b) {
-            const float* const tau = fine.tau.brick(b);
-            forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
-                for (const int i : voxels) weight.brick(parents_[b])[j] += tau[i];
-                state.tau.brick(parents_[b])[j] = coarseDepth(tau, voxels);
-            });
-        },
-        kGrain);
     for (int c = 0; c < state.channels; ++c) {
         state.albedo[c] = BrickField(fine.uniformAlbedo ? 1 : bricks);
         if (fine.uniformAlbedo) std::copy_n(fine.albedo[c].brick(0), kBrickVoxels, state.albedo[c].brick(0));
         if (fine.hasSource()) state.source[c] = BrickField(bricks);
-        parallelFor(
-            origins.size(),
-            [&](std::size_t b) {
-                forEachVoxel(fine, b, [&](int i, int j) {
-                    const std::uint32_t parent = parents_[b];
-                    if (fine.hasSource()) state.source[c].brick(parent)[j] += fine.source[c].brick(b)[i];
-                    const float sum = weight.brick(parent)[j];
-                    if (!fine.uniformAlbedo && sum > 0)
-                        state.albedo[c].brick(parent)[j] += fine.albedo[c].brick(b)[i] * fine.tau.brick(b)[i] / sum;
-                });
-            },
-            kGrain);
         started_[c] = BrickField(bricks);
         changeDeposit_[c] = BrickField(bricks);
         changeUnshot_[c] = BrickField(bricks);
     }
+    parallelFor(
+        origins.size(),
+        [&](std::size_t b) {
+            const std::uint32_t parent = parents_[b];
+            const float* const tau = fine.tau.brick(b);
+            forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
+                float sum = 0;
+                for (const int i : voxels) sum += tau[i];
+                state.tau.brick(parent)[j] = coarseDepth(tau, voxels);
+                for (int c = 0; c < state.channels; ++c)
+                    for (const int i : voxels) {
+                        if (fine.hasSource()) state.source[c].brick(parent)[j] += fine.source[c].brick(b)[i];
+                        if (!fine.uniformAlbedo && sum > 0)
+                            state.albedo[c].brick(parent)[j] += fine.albedo[c].brick(b)[i] * tau[i] / sum;
+                    }
+            });
+        },
+        kGrain);
 }
 
 void CoarseLevel::start(SolverState& fine, double shot) {
@@ -225,25 +220,26 @@ PowerBalance CoarseLevel::settle(SolverState& fine) {
         power.unshot[c] = std::max(0.0, left);
         power.absorbed[c] += std::min(0.0, left);
     }
-    BrickField areas(state.volume.layout.brickCount());  // of the fine voxels in a coarse one
-    const auto forEachBrick = [&](const auto& visit) { parallelFor(parents_.size(), visit, kGrain); };
-    forEachBrick([&](std::size_t b) {
-        alignas(64) float area[kBrickVoxels];
-        absorbingAreas(fine, b, area);
-        forEachVoxel(fine, b, [&](int i, int j) { areas.brick(parents_[b])[j] += area[i]; });
-    });
-    forEachBrick([&](std::size_t b) {
-        const std::uint32_t parent = parents_[b];
-        alignas(64) float area[kBrickVoxels];
-        absorbingAreas(fine, b, area);
-        for (int c = 0; c < fine.channels; ++c)
-            forEachVoxel(fine, b, [&](int i, int j) {
-                const float sum = areas.brick(parent)[j], part = sum > 0 ? area[i] / sum : 0;
-                fine.unshot[c].brick(b)[i] = std::max(0.0f, changeUnshot_[c].brick(parent)[j]) * part;
-                float& recent = fine.recent[c].brick(b)[i];
-                recent = std::max(-fine.total[c].brick(b)[i], recent + changeDeposit_[c].brick(parent)[j] * part);
+    parallelFor(
+        parents_.size(),
+        [&](std::size_t b) {
+            const std::uint32_t parent = parents_[b];
+            alignas(64) float area[kBrickVoxels];
+            absorbingAreas(fine, b, area);
+            forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
+                float sum = 0;
+                for (const int i : voxels) sum += area[i];
+                for (int c = 0; c < fine.channels; ++c)
+                    for (const int i : voxels) {
+                        const float part = sum > 0 ? area[i] / sum : 0;
+                        fine.unshot[c].brick(b)[i] = std::max(0.0f, changeUnshot_[c].brick(parent)[j]) * part;
+                        float& recent = fine.recent[c].brick(b)[i];
+                        recent =
+                            std::max(-fine.total[c].brick(b)[i], recent + changeDeposit_[c].brick(parent)[j] * part);
+                    }
             });
-    });
+        },
+        kGrain);
     return power;
 }
 
