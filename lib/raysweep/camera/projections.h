@@ -1,0 +1,28 @@
+/// What an X-ray detector measured, view by view.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace raysweep {
+
+/// Line integrals of extinction (without unit), one for each ray of a ProjectionGeometry. NaN: not measured; such rays
+/// are left out.
+struct Projections {
+    int width = 0, height = 0, views = 0;
+    std::vector<float> values;  ///< columns run fastest, then rows, then views
+    /// Values at or above it say only that the line integral is at least that much: the detector saw nothing more.
+    float saturation = std::numeric_limits<float>::infinity();
+
+    Projections() = default;
+    /// All values 0.
+    Projections(int width, int height, int views)
+        : width(width), height(height), views(views), values(std::size_t(width) * height * views) {}
+
+    std::size_t pixelsPerView() const { return std::size_t(width) * height; }
+    float* view(int n) { return values.data() + n * pixelsPerView(); }
+    const float* view(int n) const { return values.data() + n * pixelsPerView(); }
+};
+
+}  // namespace raysweep
