@@ -83,7 +83,7 @@ ProjectionGeometry circularGeometry(const CircularOrbit& orbit) {
         const double angle = (orbit.firstAngle + orbit.arc * n / orbit.views) * kPi / 180;
         const Vec3 toSource(std::cos(angle), std::sin(angle), 0);
         XrayView view;
-        view.column = Vec3(std::sin(angle), -std::cos(angle), 0) * orbit.pixelWidth;
+        view.column = Vec3(-std::sin(angle), std::cos(angle), 0) * orbit.pixelWidth;
         view.row = Vec3(0, 0, -orbit.pixelHeight);
         Vec3 middle = orbit.center;
         if (cone) {

@@ -37,7 +37,7 @@ struct ProjectionGeometry {
 };
 
 /// A turn about the world's z axis. At angle 0 the source is on the +x side, the detector on the -x side; the object
-/// stands still and the source turns towards +y. Detector columns count towards -y at angle 0 (as seen from the source:
+/// stands still and the source turns towards +y. Detector columns count towards +y at angle 0 (as seen from the source:
 /// from left to right), rows towards -z (from top to bottom).
 struct CircularOrbit {
     BeamShape beam = BeamShape::parallel;
