@@ -3,6 +3,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/ct_phantoms.h"
 #include "raysweep/volume/engine_room.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/phantom.h"
@@ -30,7 +31,11 @@ struct GenerateOptions {
 const std::string kRoom = "engine-room";
 
 using Maker = openvdb::FloatGrid::Ptr (*)(const PhantomOptions&);
-const std::map<std::string, Maker> kMakers = {{"box", makeBox}, {"cloud", makeCloud}, {"sphere", makeSphere}};
+const std::map<std::string, Maker> kMakers = {{"box", makeBox},
+                                              {"box-with-holes", makeBoxWithHoles},
+                                              {"cloud", makeCloud},
+                                              {"shepp-logan", makeSheppLogan},
+                                              {"sphere", makeSphere}};
 
 openvdb::Coord parseDims(const std::string& text) {
     const std::vector<int> dims = parseWhole(text, "--dims", 3, 1, 4096, "64,32,16");
@@ -105,10 +110,10 @@ void requireFitting(const CLI::App& command, const std::string& kind) {
         for (const char* name : names)
             if (command.count(name) > 0) usageError(name, "is for " + what + " only");
     };
-    if (kind != "box") refuse({"--dims"}, "the box");
+    if (kind != "box" && kind != "box-with-holes") refuse({"--dims"}, "box and box-with-holes");
     if (kind != kRoom)
         refuse({"--volume", "--volume-grid", "--crop-slices", "--wall", "--open-front", "--coloured"}, kRoom);
-    if (kind == kRoom) refuse({"--density", "--soft"}, "clouds, spheres and boxes");
+    if (kind == kRoom) refuse({"--density", "--soft"}, "clouds, spheres, boxes and phantoms");
     if (kind != "sphere") refuse({"--soft"}, "the sphere");
     if (kind == kRoom && command.count("--volume") > 0) refuse({"--voxel-size"}, "volumes made from nothing");
     if (kind == kRoom && command.count("--volume") == 0) refuse({"--volume-grid", "--crop-slices"}, "--volume");
@@ -164,13 +169,15 @@ void addRoomOptions(CLI::App& app, GenerateOptions& options) {
 }  // namespace
 
 void addGenerate(CLI::App& app, int&) {
-    CLI::App* command = app.add_subcommand("generate", "Make a volume: cloud, sphere, box, or the engine room");
+    CLI::App* command = app.add_subcommand(
+        "generate", "Make a volume: cloud, sphere, box, phantoms for tomography, or the engine room");
     const auto options = std::make_shared<GenerateOptions>();
     PhantomOptions& phantom = options->phantom;
     command->add_option("kind", options->kind, "What to make")
         ->required()
-        ->check(CLI::IsMember({"box", "cloud", kRoom.c_str(), "sphere"}).description(""))
-        ->type_name("cloud|sphere|box|engine-room");
+        ->check(
+            CLI::IsMember({"box", "box-with-holes", "cloud", kRoom.c_str(), "shepp-logan", "sphere"}).description(""))
+        ->type_name("cloud|sphere|box|shepp-logan|box-with-holes|engine-room");
     command->add_option("-o,--output", options->output, "The .vdb file to write")->required()->type_name("OUT.vdb");
     command
         ->add_option(
@@ -188,7 +195,7 @@ void addGenerate(CLI::App& app, int&) {
     command->add_option("--soft", phantom.soft, "Sphere: width of its soft edge, voxels; 0: none")
         ->check(CLI::NonNegativeNumber.description(""))
         ->capture_default_str();
-    command->add_option("--dims", options->dims, "Box: voxels along each axis instead of --size")->type_name("X,Y,Z");
+    command->add_option("--dims", options->dims, "Boxes: voxels along each axis instead of --size")->type_name("X,Y,Z");
     command->add_flag("--half", options->half, "Save as half floats");
     addRoomOptions(*command, *options);
     addCommonOptions(*command, options->common);

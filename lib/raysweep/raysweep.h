@@ -14,6 +14,7 @@
 #include "raysweep/scene/scene.h"
 #include "raysweep/scene/sky_map.h"
 #include "raysweep/volume/classify.h"
+#include "raysweep/volume/ct_phantoms.h"
 #include "raysweep/volume/engine_room.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/phantom.h"

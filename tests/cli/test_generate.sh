@@ -22,6 +22,16 @@ expect_output "saved as half"
 expect_exit 0 "$raysweep" generate box -o dims.vdb --dims 30,20,10 --voxel-size 0.5 --density 2 --report report.json
 expect_json report.json "r['voxels_active'] == 6000 and r['seconds'] >= 0"
 
+# Phantoms for tomography: of --size, the box also of --dims; the largest density is --density.
+expect_exit 0 "$raysweep" generate shepp-logan -o head.vdb --size 32 --density 2
+expect_exit 0 "$raysweep" info head.vdb --json
+cp .out head.json
+expect_json head.json "r['grids'][0]['name'] == 'density' and abs(r['grids'][0]['max'][0] - 2) < 1e-6"
+expect_exit 0 "$raysweep" generate box-with-holes -o holes.vdb --dims 48,40,24 --voxel-size 1 --report report.json
+expect_json report.json "0.7 * 36 * 30 * 18 < r['voxels_active'] < 36 * 30 * 18"
+expect_exit 2 "$raysweep" generate shepp-logan -o a.vdb --dims 48,40,24
+expect_match "--dims"
+
 # Options from a file: flat keys belong to the subcommand that was called, the command line wins, other sections wait.
 printf 'size = 20\n\n[info]\njson = true\n' >flat.toml
 expect_exit 0 "$raysweep" generate box -o config.vdb --config flat.toml
