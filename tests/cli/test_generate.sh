@@ -23,7 +23,7 @@ expect_exit 0 "$raysweep" generate box -o dims.vdb --dims 30,20,10 --voxel-size 
 expect_json report.json "r['voxels_active'] == 6000 and r['seconds'] >= 0"
 
 # Phantoms for tomography: of --size, the box also of --dims; the largest density is --density.
-expect_exit 0 "$raysweep" generate shepp-logan -o head.vdb --size 32 --density 2
+expect_exit 0 "$raysweep" generate shepp-logan -o head.vdb --size 128 --density 2
 expect_exit 0 "$raysweep" info head.vdb --json
 cp .out head.json
 expect_json head.json "r['grids'][0]['name'] == 'density' and abs(r['grids'][0]['max'][0] - 2) < 1e-6"
