@@ -125,9 +125,9 @@ void updateVoxelsDispatched(float* HWY_RESTRICT voxels, const float* HWY_RESTRIC
     const Vec lower = hn::Set(kLanes, update.lower), upper = hn::Set(kLanes, update.upper);
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
     for (std::size_t i = 0; i < count; i += std::size_t(kLaneCount)) {
-        const Vec weight = hn::Load(kLanes, weights + i), before = hn::Load(kLanes, voxels + i);
+        const Vec weight = hn::LoadU(kLanes, weights + i), before = hn::Load(kLanes, voxels + i);
         const auto met = hn::Gt(weight, zero);
-        const Vec mean = hn::Div(hn::Load(kLanes, values + i), hn::IfThenElse(met, weight, one));
+        const Vec mean = hn::Div(hn::LoadU(kLanes, values + i), hn::IfThenElse(met, weight, one));
         const Vec after = hn::Min(hn::Max(hn::MulAdd(relaxation, mean, before), lower), upper);
         hn::Store(hn::IfThenElse(met, after, before), kLanes, voxels + i);
     }

@@ -91,6 +91,16 @@ ColumnVolume::ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange
                 [&](std::size_t t) { std::memset(tile(t), 0, (offsets_[t + 1] - offsets_[t]) * sizeof(float)); });
 }
 
+void ColumnVolume::copyFrom(const ColumnVolume& other) {
+    parallelFor(tileCount(), [&](std::size_t t) { std::copy_n(other.tile(t), voxelsOf(t), tile(t)); });
+}
+
+void ColumnVolume::clampAll(float lower, float upper) {
+    parallelFor(tileCount(), [&](std::size_t t) {
+        for (std::size_t i = 0; i < voxelsOf(t); ++i) tile(t)[i] = std::clamp(tile(t)[i], lower, upper);
+    });
+}
+
 float ColumnVolume::value(int x, int y, int z) const {
     if (x < 0 || y < 0 || x >= lattice_.dims.x || y >= lattice_.dims.y) return 0;
     const std::size_t t = tileOf(x, y);

@@ -74,6 +74,12 @@ class ColumnVolume {
         return this->tile(tile) + std::size_t(number) * ranges_[tile].length();
     }
 
+    /// The voxels of another volume that keeps the same.
+    void copyFrom(const ColumnVolume& other);
+
+    /// Voxels beyond a bound get its value; 0 must lie within.
+    void clampAll(float lower, float upper);
+
     /// The value of a voxel of the lattice; 0 where nothing is kept.
     float value(int x, int y, int z) const;
 

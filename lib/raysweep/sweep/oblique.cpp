@@ -1,15 +1,12 @@
 #include "raysweep/sweep/oblique.h"
 
+#include "raysweep/sweep/shadow.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace raysweep {
 namespace {
-
-/// Voxels [low, high).
-struct VoxelBox {
-    Index3 low, high;
-};
 
 /// Calls `use(voxel, weight)` for the voxels of `box` around each point where `line` meets a slice of it.
 template <class Use>
@@ -38,38 +35,6 @@ void forEachVoxelBeside(const RayLine& line, const VoxelBox& box, const Use& use
             }
         }
     }
-}
-
-/// Detector pixels [low, high).
-struct PixelBox {
-    int lowColumn, highColumn, lowRow, highRow;
-};
-
-/// The pixels whose rays may meet `box` or the voxels one beside it.
-PixelBox pixelsMeeting(const ViewFootprint& f, const VoxelBox& box) {
-    const PixelBox all{0, f.width, 0, f.height};
-    const Vec3 normal = f.view.column.cross(f.view.row);
-    double low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
-    for (int corner = 0; corner < 8; ++corner) {
-        Vec3 point;
-        for (int axis = 0; axis < 3; ++axis) point[axis] = (corner >> axis) & 1 ? box.high[axis] : box.low[axis] - 1;
-        const bool cone = f.beam == BeamShape::cone;
-        const Vec3 from = cone ? f.view.source : point, along = cone ? point - f.view.source : f.view.direction;
-        const double t = normal.dot(f.view.origin - from) / normal.dot(along);
-        if (cone && !(t > 0 && t < 1e9)) return all;  // beside or behind the source
-        // Where the ray through the corner meets the detector, in its columns and rows (Cramer's rule).
-        const Vec3 place = from + along * t - f.view.origin;
-        const double area = normal.dot(normal);
-        const double at[2] = {place.cross(f.view.row).dot(normal) / area,
-                              f.view.column.cross(place).dot(normal) / area};
-        for (int i = 0; i < 2; ++i) {
-            low[i] = std::min(low[i], at[i]);
-            high[i] = std::max(high[i], at[i]);
-        }
-    }
-    const auto limited = [](double value, int count) { return int(std::clamp(value, 0.0, double(count))); };
-    return {limited(std::floor(low[0]), f.width), limited(std::ceil(high[0]) + 1, f.width),
-            limited(std::floor(low[1]), f.height), limited(std::ceil(high[1]) + 1, f.height)};
 }
 
 }  // namespace
@@ -102,7 +67,7 @@ void backprojectOblique(const ColumnVolume& layout, std::size_t tile, const View
     box.low = Index3(int(tile) / layout.tilesY() * kTileEdge, int(tile) % layout.tilesY() * kTileEdge, range.low);
     box.high = Index3(std::min(box.low.x + kTileEdge, dims.x), std::min(box.low.y + kTileEdge, dims.y),
                       std::min(range.high, dims.z));
-    const PixelBox pixels = pixelsMeeting(rays.footprint, box);
+    const PixelBox pixels = shadowOf(box, rays.footprint).pixels;
     for (int column = pixels.lowColumn; column < pixels.highColumn; ++column)
         for (int row = pixels.lowRow; row < pixels.highRow; ++row) {
             const RayLine line = rayLine(rays.footprint, dims, column, row);

@@ -1,0 +1,84 @@
+/// Iterative reconstruction: rays are sent through the volume, and what they fall short of the measured line integrals
+/// is given back along them. A. H. Andersen and A. C. Kak, "Simultaneous Algebraic Reconstruction Technique (SART)",
+/// Ultrasonic Imaging 6, 1984; Dachille, Mueller and Kaufman 2000, section 3.
+#pragma once
+
+#include "raysweep/camera/projection_geometry.h"
+#include "raysweep/camera/projections.h"
+#include "raysweep/core/progress.h"
+#include "raysweep/reconstruct/reconstruction_grid.h"
+#include "raysweep/reconstruct/view_order.h"
+#include "raysweep/volume/grids.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace raysweep {
+
+enum class Support {
+    automatic,  ///< only voxels of the visual hull are kept and swept (see support.h)
+    none        ///< all voxels of the grid
+};
+
+struct SartOptions {
+    int iterations = 5;      ///< passes over all views, > 0
+    int viewsPerUpdate = 1;  ///< views that correct the volume together: 1 SART, more OS-SART, 0 all of them SIRT; >= 0
+    double relaxation = 0.5;     ///< part of the correction that is made, in (0,2) (lambda)
+    double relaxationDecay = 0;  ///< pass n, from 0, is relaxed by relaxation / (1 + decay n); >= 0
+    ViewOrder order = ViewOrder::golden;
+    std::uint32_t seed = 1;                                   ///< of the random order
+    double lower = -std::numeric_limits<double>::infinity();  ///< least value of a voxel, 1/world unit; 0: non-negative
+    double upper = std::numeric_limits<double>::infinity();   ///< largest
+    double totalVariation = 0;  ///< after each pass total variation is lowered, by steps that together change the
+                                ///< volume by this part of what the pass changed; in [0,1), 0: not at all
+    double stopResidual = 0;  ///< stop when a pass has a relative residual below this; 0: never
+    Support support = Support::automatic;
+    double supportThreshold = 0.001;  ///< pixels at most this part of the largest line integral see nothing; in [0,1)
+    double tolerance = 0;             ///< voxels this close to 0 are left out of the result, 1/world unit, >= 0
+
+    /// @throw InvalidArgument naming field, value and bound.
+    void validate() const;
+};
+
+enum class SartTermination {
+    iterations,  ///< all passes were made
+    residual,    ///< `stopResidual` was reached
+    interrupted  ///< the progress callback said stop; the volume is what there was
+};
+
+/// One pass over all views.
+struct SartPass {
+    double
+        residual;  ///< RMS of what rays fell short of, each when its turn came, relative to the RMS of line integrals
+    double rms;    ///< RMS difference to the reference over all voxels of the grid; NaN without one
+    int updates;   ///< so far
+};
+
+struct SartResult {
+    openvdb::FloatGrid::Ptr volume;  ///< "density", 1/world unit
+    std::vector<SartPass> passes;    ///< finished ones
+    SartTermination termination = SartTermination::iterations;
+    int updates = 0;             ///< corrections made
+    double seconds = 0;          ///< spent on updates
+    std::size_t keptVoxels = 0;  ///< in the support
+    std::size_t raysUsed = 0;    ///< in one pass: measured, and meeting the support
+};
+
+/// What a reconstruction starts from and is compared with; both may be null, and must lie on the grid's lattice.
+struct SartVolumes {
+    openvdb::FloatGrid::ConstPtr initial;    ///< starts from 0 without it
+    openvdb::FloatGrid::ConstPtr reference;  ///< for SartPass::rms
+};
+
+/// The volume whose line integrals come near to `projections`.
+/// Memory: the volume, one more with `totalVariation` or a reference, and for each view that corrects it together with
+/// others two pictures. The same bits for any number of threads.
+/// @throw InvalidArgument for options out of bounds; projections that do not fit the geometry; a geometry of which no
+/// ray meets the grid; grids of other lattices.
+SartResult sart(const Projections& projections, const ProjectionGeometry& geometry, const ReconstructionGrid& grid,
+                const SartOptions& options, const SartVolumes& volumes = {}, const ProgressCallback& progress = {});
+
+}  // namespace raysweep

@@ -1,0 +1,123 @@
+#include "raysweep/reconstruct/total_variation.h"
+
+#include "raysweep/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace raysweep {
+namespace {
+
+constexpr int kHalo = kTileEdge + 2;  // columns along the edge of a tile with its neighbours
+
+/// A tile with one voxel more on all sides.
+struct HaloTile {
+    int length;  ///< of a column
+    std::vector<float> values;
+
+    float* column(int x, int y) { return values.data() + std::size_t((x + 1) * kHalo + y + 1) * length + 1; }
+};
+
+void copyWithHalo(const ColumnVolume& volume, std::size_t tile, HaloTile& to) {
+    const ColumnRange own = volume.ranges()[tile];
+    const ColumnLattice& lattice = volume.lattice();
+    to.length = own.length() + 2;
+    to.values.assign(std::size_t(kHalo) * kHalo * to.length, 0.0f);
+    const int firstX = int(tile / volume.tilesY()) * kTileEdge, firstY = int(tile % volume.tilesY()) * kTileEdge;
+    for (int x = -1; x <= kTileEdge; ++x)
+        for (int y = -1; y <= kTileEdge; ++y) {
+            const int i = firstX + x, j = firstY + y;
+            if (i < 0 || j < 0 || i >= lattice.dims.x || j >= lattice.dims.y) continue;
+            const std::size_t from = volume.tileOf(i, j);
+            const ColumnRange range = volume.ranges()[from];
+            const int low = std::max(own.low - 1, range.low), high = std::min(own.high + 1, range.high);
+            if (low < high)
+                std::copy_n(volume.column(from, i, j) + (low - range.low), high - low,
+                            to.column(x, y) + (low - own.low));
+        }
+}
+
+/// Keeps the length of a gradient away from 0, relative to differences that matter (densities are about 1).
+constexpr float kSmooth = 1e-8f;
+
+/// Derivative of the total variation by each voxel of a tile.
+void gradientOf(HaloTile& f, HaloTile& lengths, int count, float* gradient) {
+    lengths.length = f.length;
+    lengths.values.resize(f.values.size());
+    for (int x = 0; x <= kTileEdge; ++x)
+        for (int y = 0; y <= kTileEdge; ++y) {
+            const float *here = f.column(x, y), *left = f.column(x - 1, y), *before = f.column(x, y - 1);
+            float* length = lengths.column(x, y);
+            for (int z = 0; z <= count; ++z) {
+                const float dx = here[z] - left[z], dy = here[z] - before[z], dz = here[z] - here[z - 1];
+                length[z] = std::sqrt(dx * dx + dy * dy + dz * dz + kSmooth);
+            }
+        }
+    for (int x = 0; x < kTileEdge; ++x)
+        for (int y = 0; y < kTileEdge; ++y, gradient += count) {
+            const float *here = f.column(x, y), *left = f.column(x - 1, y), *before = f.column(x, y - 1);
+            const float *right = f.column(x + 1, y), *behind = f.column(x, y + 1);
+            const float *length = lengths.column(x, y), *rightLength = lengths.column(x + 1, y),
+                        *behindLength = lengths.column(x, y + 1);
+            for (int z = 0; z < count; ++z)
+                gradient[z] = (3 * here[z] - left[z] - before[z] - here[z - 1]) / length[z] -
+                              (right[z] - here[z]) / rightLength[z] - (behind[z] - here[z]) / behindLength[z] -
+                              (here[z + 1] - here[z]) / length[z + 1];
+        }
+}
+
+template <class Term>
+double sumOverVoxels(const ColumnVolume& volume, const Term& term) {
+    return orderedSum<double>(
+        volume.tileCount(),
+        [&](std::size_t tile) {
+            double sum = 0;
+            for (std::size_t i = 0; i < volume.voxelsOf(tile); ++i) sum += term(tile, i);
+            return sum;
+        },
+        4);
+}
+
+}  // namespace
+
+double changeLength(const ColumnVolume& a, const ColumnVolume& b) {
+    return std::sqrt(sumOverVoxels(a, [&](std::size_t tile, std::size_t i) {
+        const double difference = double(a.tile(tile)[i]) - b.tile(tile)[i];
+        return difference * difference;
+    }));
+}
+
+void lowerTotalVariation(ColumnVolume& volume, ColumnVolume& scratch, double change, int steps, float lower,
+                         float upper) {
+    for (int step = 0; step < steps; ++step) {
+        parallelFor(volume.tileCount(), [&](std::size_t tile) {
+            if (volume.voxelsOf(tile) == 0) return;
+            thread_local HaloTile values, lengths;
+            copyWithHalo(volume, tile, values);
+            gradientOf(values, lengths, volume.ranges()[tile].length(), scratch.tile(tile));
+        });
+        const double length = std::sqrt(sumOverVoxels(scratch, [&](std::size_t tile, std::size_t i) {
+            return double(scratch.tile(tile)[i]) * scratch.tile(tile)[i];
+        }));
+        if (!(length > 0)) return;
+        const float scale = float(change / steps / length);
+        const Index3 dims = volume.lattice().dims;
+        parallelFor(volume.tileCount(), [&](std::size_t tile) {
+            // Voxels beyond the lattice must stay 0.
+            const ColumnRange range = volume.ranges()[tile];
+            const int firstX = int(tile / volume.tilesY()) * kTileEdge,
+                      firstY = int(tile % volume.tilesY()) * kTileEdge;
+            for (int x = 0; x < std::min(kTileEdge, dims.x - firstX); ++x)
+                for (int y = 0; y < std::min(kTileEdge, dims.y - firstY); ++y) {
+                    const std::size_t first = std::size_t(x * kTileEdge + y) * range.length();
+                    float* voxels = volume.tile(tile) + first;
+                    const float* gradient = scratch.tile(tile) + first;
+                    for (int z = 0; z < std::min(range.high, dims.z) - range.low; ++z)
+                        voxels[z] = std::clamp(voxels[z] - scale * gradient[z], lower, upper);
+                }
+        });
+    }
+}
+
+}  // namespace raysweep

@@ -1,0 +1,28 @@
+/// Which pixels a box of voxels falls on.
+#pragma once
+
+#include "raysweep/sweep/footprint.h"
+
+namespace raysweep {
+
+/// Voxels [low, high).
+struct VoxelBox {
+    Index3 low, high;
+};
+
+/// Pixels [low, high), rows as ViewFootprint counts them.
+struct PixelBox {
+    int lowColumn, highColumn, lowRow, highRow;
+};
+
+struct Shadow {
+    PixelBox pixels;  ///< all whose rays give anything to a voxel of the box, and maybe some more
+    bool whole;       ///< false if a part of the shadow lies off the detector, or is not known
+};
+
+Shadow shadowOf(const VoxelBox& box, const ViewFootprint& footprint);
+
+/// @throw InvalidArgument if the volume falls on no pixel of any view.
+void requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice);
+
+}  // namespace raysweep
