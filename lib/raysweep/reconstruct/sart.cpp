@@ -198,7 +198,8 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0),
                                  openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
     const ColumnLattice lattice = columnLattice(box, *transform, columnAxisFor(geometry, *transform));
-    requireSeen(geometry, lattice);
+    SartResult result;
+    result.viewsSeeing = requireSeen(geometry, lattice);
     ColumnVolume volume = startingVolume(projections, geometry, lattice, options, volumes.initial.get());
     std::optional<ColumnVolume> reference, before;
     if (volumes.reference) {
@@ -207,7 +208,6 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     }
     if (options.totalVariation > 0) before.emplace(lattice, volume.ranges());
 
-    SartResult result;
     result.keptVoxels = volume.storedVoxels();
     Solver solver(projections, geometry, options, volume);
     const int views = int(geometry.views.size());

@@ -34,7 +34,7 @@ struct SartOptions {
     double upper = std::numeric_limits<double>::infinity();   ///< largest
     double totalVariation = 0;  ///< after each pass total variation is lowered, by steps that together change the
                                 ///< volume by this part of what the pass changed; in [0,1), 0: not at all
-    double stopResidual = 0;  ///< stop when a pass has a relative residual below this; 0: never
+    double stopResidual = 0;    ///< stop when a pass has a relative residual below this; 0: never
     Support support = Support::automatic;
     double supportThreshold = 0.001;  ///< pixels at most this part of the largest line integral see nothing; in [0,1)
     double tolerance = 0;             ///< voxels this close to 0 are left out of the result, 1/world unit, >= 0
@@ -64,6 +64,7 @@ struct SartResult {
     int updates = 0;             ///< corrections made
     double seconds = 0;          ///< spent on updates
     std::size_t keptVoxels = 0;  ///< in the support
+    int viewsSeeing = 0;         ///< views in which the grid falls on the detector
     std::size_t raysUsed = 0;    ///< in one pass: measured, and meeting the support
 };
 

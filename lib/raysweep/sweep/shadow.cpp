@@ -13,12 +13,16 @@ Shadow shadowOf(const VoxelBox& box, const ViewFootprint& f) {
     const double area = normal.dot(normal);
     const bool cone = f.beam == BeamShape::cone;
     double low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
+    int behind = 0;  // corners that are not before the source
     for (int corner = 0; corner < 8; ++corner) {
         Vec3 point;  // a ray gives to voxels less than one away from it
         for (int axis = 0; axis < 3; ++axis) point[axis] = (corner >> axis) & 1 ? box.high[axis] : box.low[axis] - 1;
         const Vec3 from = cone ? f.view.source : point, along = cone ? point - f.view.source : f.view.direction;
         const double t = normal.dot(f.view.origin - from) / normal.dot(along);
-        if (cone && !(t > 0 && t < 1e9)) return {{0, f.width, 0, f.height}, false};  // beside or behind the source
+        if (cone && !(t > 0 && t < 1e9)) {
+            ++behind;
+            continue;
+        }
         // Where the ray through the corner meets the detector, in columns and rows (Cramer's rule).
         const Vec3 place = from + along * t - f.view.origin;
         const double at[2] = {place.cross(f.view.row).dot(normal) / area,
@@ -28,17 +32,21 @@ Shadow shadowOf(const VoxelBox& box, const ViewFootprint& f) {
             high[i] = std::max(high[i], at[i]);
         }
     }
+    if (behind == 8) return {{0, 0, 0, 0}, false};
+    if (behind > 0) return {{0, f.width, 0, f.height}, false};
     const auto limited = [](double value, int count) { return int(std::clamp(value, 0.0, double(count))); };
     return {{limited(std::floor(low[0]), f.width), limited(std::ceil(high[0]) + 1, f.width),
              limited(std::floor(low[1]), f.height), limited(std::ceil(high[1]) + 1, f.height)},
             low[0] >= 0 && high[0] <= f.width - 1 && low[1] >= 0 && high[1] <= f.height - 1};
 }
 
-void requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice) {
+int requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice) {
+    int seen = 0;
     for (int view = 0; view < int(geometry.views.size()); ++view) {
         const PixelBox pixels = shadowOf({Index3(0), lattice.dims}, footprintOf(geometry, view, lattice)).pixels;
-        if (pixels.lowColumn < pixels.highColumn && pixels.lowRow < pixels.highRow) return;
+        seen += pixels.lowColumn < pixels.highColumn && pixels.lowRow < pixels.highRow;
     }
+    if (seen > 0) return seen;
     std::ostringstream message;
     const Vec3 end =
         lattice.origin + Vec3(lattice.dims.x - 1, lattice.dims.y - 1, lattice.dims.z - 1) * lattice.worldFromVoxel;

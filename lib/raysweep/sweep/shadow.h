@@ -22,7 +22,7 @@ struct Shadow {
 
 Shadow shadowOf(const VoxelBox& box, const ViewFootprint& footprint);
 
-/// @throw InvalidArgument if the volume falls on no pixel of any view.
-void requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice);
+/// In how many views the volume falls on a pixel. @throw InvalidArgument if in none.
+int requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice);
 
 }  // namespace raysweep
