@@ -58,6 +58,7 @@ void CircularOrbit::validate() const {
         require(positive(sourceToAxis), "sourceToAxis", sourceToAxis, "positive and finite");
         require(positive(sourceToDetector), "sourceToDetector", sourceToDetector, "positive and finite");
     }
+    for (const double angle : angles) require(std::isfinite(angle), "angle", angle, "finite");
     require(views > 0, "views", views, "at least 1");
     require(std::isfinite(firstAngle), "firstAngle", firstAngle, "finite");
     require(std::isfinite(arc) && arc != 0, "arc", arc, "finite and not 0");
@@ -79,8 +80,11 @@ ProjectionGeometry circularGeometry(const CircularOrbit& orbit) {
     const bool cone = orbit.beam == BeamShape::cone;
     const double axisColumn = orbit.axisColumn < 0 ? 0.5 * (orbit.width - 1) : orbit.axisColumn;
     const double centerRow = orbit.centerRow < 0 ? 0.5 * (orbit.height - 1) : orbit.centerRow;
-    for (int n = 0; n < orbit.views; ++n) {
-        const double angle = (orbit.firstAngle + orbit.arc * n / orbit.views) * kPi / 180;
+    std::vector<double> angles = orbit.angles;
+    for (int n = 0; n < orbit.views && orbit.angles.empty(); ++n)
+        angles.push_back(orbit.firstAngle + orbit.arc * n / orbit.views);
+    for (const double degrees : angles) {
+        const double angle = degrees * kPi / 180;
         const Vec3 toSource(std::cos(angle), std::sin(angle), 0);
         XrayView view;
         view.column = Vec3(-std::sin(angle), std::cos(angle), 0) * orbit.pixelWidth;

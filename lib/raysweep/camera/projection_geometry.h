@@ -46,6 +46,7 @@ struct CircularOrbit {
     int views = 180;                ///< > 0
     double firstAngle = 0;          ///< degrees
     double arc = 180;               ///< degrees from the first view to where one after the last would be, not 0
+    std::vector<double> angles;     ///< of each view, degrees; given: `views`, `firstAngle` and `arc` are not looked at
     int width = 256, height = 256;  ///< pixels, > 0
     double pixelWidth = 1;          ///< distance of columns, world units at the detector, > 0
     double pixelHeight = 1;         ///< distance of rows, likewise

@@ -1,0 +1,129 @@
+/// raysweep project: simulated X-rays of a volume.
+#include "scan_options.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/core/file_name.h"
+#include "raysweep/reconstruct/detector.h"
+#include "raysweep/reconstruct/geometry_io.h"
+#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/sweep/project_grid.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+struct ProjectArguments {
+    CommonOptions common;
+    ScanArguments scan;
+    DetectorModel detector;
+    std::string input, output, grid, geometryOutput;
+    double extinction = 1;
+};
+
+void completeOptions(ProjectArguments& a) {
+    requireFileOutput(a.output);
+    if (!a.geometryOutput.empty()) requireFileOutput(a.geometryOutput, "--write-geometry");
+    const std::string extension = lowerExtension(a.output);
+    if (extension != ".mha" && extension != ".exr")
+        usageError("--output", "'" + a.output + "' must end in .mha (one file) or .exr (one for each view)");
+    requireFactor(a.extinction, "--extinction");
+    checkScanOptions(a.scan);
+    a.detector.seed = a.common.seed;
+    try {
+        a.detector.validate();
+    } catch (const InvalidArgument& e) {
+        usageError("project", e.what());
+    }
+}
+
+/// From pixel to pixel at the detector, if it is the same in all views.
+DetectorPair pitchOf(const ProjectionGeometry& geometry) {
+    return {geometry.views.front().column.length(), geometry.views.front().row.length()};
+}
+
+nlohmann::ordered_json describe(const Projections& projections, double seconds) {
+    double sum = 0;
+    float most = 0;
+    std::size_t saturated = 0;
+    for (const float value : projections.values) {
+        sum += value;
+        most = std::max(most, value);
+        saturated += value >= projections.saturation;
+    }
+    return {{"views", projections.views},
+            {"width", projections.width},
+            {"height", projections.height},
+            {"seconds", seconds},
+            {"seconds_per_view", seconds / projections.views},
+            {"max", most},
+            {"mean", sum / double(projections.values.size())},
+            {"saturated", saturated}};
+}
+
+int run(const ProjectArguments& a) {
+    const ThreadLimit limit = start(a.common);
+    for (const std::string& path : projectionFiles(a.output, 1)) requireWritable(path);
+    if (!a.geometryOutput.empty()) requireWritable(a.geometryOutput);
+    const ProjectionGeometry geometry = scanGeometry(a.scan, nullptr);
+    const openvdb::FloatGrid::Ptr volume = selectDensity(readVdb(a.input), a.grid);
+    checkFinite(*volume, volume->getName());
+
+    TerminalProgress progress(a.common);
+    const Timer timer;
+    Projections projections = projectGrid(*volume, geometry, progress.callback());
+    if (TerminalProgress::interrupted()) {
+        message(a.common, "stopped; nothing was written");
+        return kInterrupted;
+    }
+    for (float& value : projections.values) value *= float(a.extinction);
+    detect(projections, a.detector);
+    const double seconds = timer.seconds();
+    writeProjections(a.output, projections, pitchOf(geometry));
+    if (!a.geometryOutput.empty()) writeGeometry(a.geometryOutput, geometry);
+    const nlohmann::ordered_json report = describe(projections, seconds);
+    const double most = report["max"];
+    if (most > 20)
+        warning(a.common, "the largest line integral is " + brief(most, 3) +
+                              ": no X-rays would come through; a lower --extinction makes it like a measured one (2 to 6)");
+    detail(a.common, std::to_string(projections.views) + " views, largest line integral " + brief(most, 3));
+    writeReport(a.common, report);
+    return kDone;
+}
+
+}  // namespace
+
+void addProject(CLI::App& app, int& exitCode) {
+    CLI::App* command = app.add_subcommand("project", "X-ray a volume: line integrals of its density along all rays");
+    const auto a = std::make_shared<ProjectArguments>();
+    command->add_option("volume", a->input, "The .vdb file to X-ray")->required()->type_name("VOL.vdb");
+    command->add_option("-o,--output", a->output, "Projections: one .mha file, or .exr pictures with numbers")
+        ->required()
+        ->type_name("PROJ.mha|.exr");
+    command->add_option("--write-geometry", a->geometryOutput, "Also write where the rays ran")->type_name("FILE.json");
+    command->add_option("--density", a->grid, "Grid to X-ray (default: density, else the only float grid)")
+        ->type_name("NAME");
+    command->add_option("--extinction", a->extinction, "Extinction per unit density, 1/world unit")
+        ->capture_default_str();
+    addScanOptions(*command, a->scan);
+    command->option_defaults()->group("Detector");
+    command->add_option("--axis-column", a->scan.axisColumn, "Column onto which the axis falls (default: the middle)");
+    command->add_option("--photons", a->detector.photons, "Photons per pixel without object: adds Poisson noise (default: none)");
+    command->add_option("--saturation", a->detector.saturation, "Largest line integral that the detector can tell");
+    command->add_option("--bits", a->detector.bits, "Round to 2^N levels between 0 and the largest value (default: not)");
+    command->option_defaults()->group("Options");
+    addCommonOptions(*command, a->common);
+    command->callback([a, &exitCode] {
+        completeOptions(*a);
+        exitCode = run(*a);
+    });
+}
+
+}  // namespace raysweep::apps
