@@ -1,6 +1,7 @@
 /// Where a volume is reconstructed.
 #pragma once
 
+#include "raysweep/camera/projection_geometry.h"
 #include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
 
@@ -23,5 +24,11 @@ struct ReconstructionGrid {
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;
 };
+
+/// All that the detector sees of an object that turns: about the part of the axis that is seen, as wide as the rays at
+/// the detector's sides are away from the axis in any view; voxels as large as the smaller edge of a pixel is at the
+/// axis. @throw InvalidArgument if the views are not those of a turn about an axis, as fitOrbit, or if more than 16384
+/// voxels along an axis were needed.
+ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry);
 
 }  // namespace raysweep
