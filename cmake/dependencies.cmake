@@ -8,6 +8,11 @@ find_package(OpenImageIO REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(HWY REQUIRED)
 find_package(CLI11 REQUIRED)
+# Only its header is used, whose transforms are templates.
+find_path(KISSFFT_INCLUDE_DIR kissfft/kissfft.hh)
+if(NOT KISSFFT_INCLUDE_DIR)
+    message(FATAL_ERROR "kissfft/kissfft.hh was not found: install libkissfft-dev")
+endif()
 
 # Debian's OpenImageIO names an include folder that does not exist (/usr/include/opencv4): CMake refuses it.
 get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
