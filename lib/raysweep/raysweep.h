@@ -10,6 +10,8 @@
 #include "raysweep/illuminate/illuminate.h"
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
+#include "raysweep/reconstruct/exact_projections.h"
+#include "raysweep/reconstruct/fbp.h"
 #include "raysweep/render/render.h"
 #include "raysweep/scene/scene.h"
 #include "raysweep/scene/sky_map.h"

@@ -1,0 +1,42 @@
+/// Filtered backprojection: a volume in one step from projections along a turn about an axis.
+#pragma once
+
+#include "raysweep/camera/projection_geometry.h"
+#include "raysweep/camera/projections.h"
+#include "raysweep/core/progress.h"
+#include "raysweep/reconstruct/ramp_filter.h"
+#include "raysweep/reconstruct/reconstruction_grid.h"
+#include "raysweep/volume/grids.h"
+
+#include <string>
+
+namespace raysweep {
+
+struct FbpOptions {
+    RampWindow window = RampWindow::ramLak;  ///< see RampWindow
+    double cutoff = 1;         ///< where the window ends, of the highest frequency that the detector resolves, in (0,1]
+    bool nonNegative = false;  ///< densities below 0 become 0
+
+    /// @throw InvalidArgument naming field, value and bound.
+    void validate() const;
+};
+
+/// Extinction, per world unit, of the voxels `where`: each voxel sums what the filtered views show at the place it
+/// casts its shadow on, between pixels linearly, 0 beside the detector. Parallel beams: filtered backprojection; views
+/// may be at any angles and count by the part of half a turn they stand for. Cones: Feldkamp, Davis and Kress,
+/// Practical cone-beam algorithm, J. Opt. Soc. Am. A 1 (1984), exact in the sources' plane; less than a full turn with
+/// Parker's weights. Both after Kak and Slaney, Principles of Computerized Tomographic Imaging (1988), chapter 3.
+/// Detectors may be shifted; rows that are not at right angles to the axis are filtered as if they were. Saturation is
+/// not known to it. The grid "density" has all voxels that are not 0; the same bits for any number of threads. If
+/// `progress` asks to stop, the rest of the volume is empty. Memory: the volume and one copy of the projections.
+/// @throw InvalidArgument if projections and geometry differ in size, naming the first pixel that is not finite, if the
+/// grid reaches a source, as fitOrbit, and as validate.
+openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, const ProjectionGeometry& geometry,
+                                               const ReconstructionGrid& where, const FbpOptions& options = {},
+                                               const ProgressCallback& progress = {});
+
+/// What the scan leaves out that filtered backprojection needs: less than half a turn, for cones and the angle of the
+/// fan. Empty if nothing is amiss. @throw InvalidArgument as fitOrbit.
+std::string scanWarning(const ProjectionGeometry& geometry);
+
+}  // namespace raysweep
