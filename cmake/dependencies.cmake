@@ -13,6 +13,7 @@ find_path(KISSFFT_INCLUDE_DIR kissfft/kissfft.hh)
 if(NOT KISSFFT_INCLUDE_DIR)
     message(FATAL_ERROR "kissfft/kissfft.hh was not found: install libkissfft-dev")
 endif()
+find_package(pugixml REQUIRED)
 
 # Debian's OpenImageIO names an include folder that does not exist (/usr/include/opencv4): CMake refuses it.
 get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
@@ -22,6 +23,7 @@ set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRE
 # ITK reads medical and scientific volumes; DCMTK checks DICOM before it does. ITK's configuration needs C, and lists the
 # tools of GDCM that Debian packages apart: harmless, but many lines.
 enable_language(C)
+find_package(HDF5 REQUIRED COMPONENTS C)
 set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
 find_package(ITK QUIET COMPONENTS ITKIONRRD ITKIOMeta ITKIONIFTI ITKIOGDCM ITKNIFTI)
 find_package(DCMTK QUIET)
