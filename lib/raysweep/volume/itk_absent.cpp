@@ -25,4 +25,10 @@ StoredVolume readDicomSeries(const std::vector<std::string>& files, const std::s
     fail(files.front());
 }
 
+void writeMetaImage(const std::string& path, const Index3&, const float*, const Vec3&, const Vec3&) {
+    throw IoError("cannot write '" + path +
+                  "': this build of Raysweep has no ITK, which writes MetaImage; write .exr pictures, or install "
+                  "libinsighttoolkit5-dev and configure again with -DRAYSWEEP_WITH_ITK=ON");
+}
+
 }  // namespace raysweep

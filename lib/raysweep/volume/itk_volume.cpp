@@ -3,6 +3,7 @@
 #include "raysweep/volume/itk_volume.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/output_file.h"
 #include "raysweep/volume/itk_read.h"
 #include "raysweep/volume/nifti_check.h"
 
@@ -10,6 +11,7 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
+#include <cmath>
 #include <filesystem>
 
 namespace raysweep {
@@ -75,6 +77,44 @@ StoredVolume readItkVolume(const std::string& path, ItkFormat format, const Prog
     if (format == ItkFormat::metaImage) requireNoComplaint(silence, path);
     volume.complete = report(progress, "reading", 1);
     return volume;
+}
+
+void writeMetaImage(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
+                    const Vec3& spacing) {
+    const Silence silence;
+    OutputFile file(path);
+    const auto io = itk::MetaImageIO::New();
+    io->SetNumberOfDimensions(3);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(origin[axis]) || !std::isfinite(spacing[axis]) || spacing[axis] == 0)
+            throw InvalidArgument("cannot write '" + path + "': origin and spacing must be finite, and no spacing 0");
+        const auto a = unsigned(axis);
+        io->SetDimensions(a, std::size_t(dims[axis]));
+        io->SetOrigin(a, origin[axis]);
+        io->SetSpacing(a, std::abs(spacing[axis]));  // ITK knows positive ones only
+        std::vector<double> direction(3, 0.0);
+        direction[a] = spacing[axis] < 0 ? -1 : 1;
+        io->SetDirection(a, direction);
+    }
+    itk::ImageIORegion all(3);
+    for (unsigned axis = 0; axis < 3; ++axis) all.SetSize(axis, std::size_t(dims[int(axis)]));
+    io->SetIORegion(all);
+    io->SetPixelType(itk::IOPixelEnum::SCALAR);
+    io->SetNumberOfComponents(1);
+    io->SetComponentType(itk::IOComponentEnum::FLOAT);
+    io->SetUseCompression(false);
+    io->SetFileName(file.temporary());
+    try {
+        io->Write(samples);
+    } catch (const itk::ExceptionObject& error) {
+        throw IoError("cannot write '" + path + "': " + reasonOf(error));
+    }
+    // A full disk goes unnoticed by MetaImage's writer.
+    const auto least = std::uintmax_t(dims.x) * std::uintmax_t(dims.y) * std::uintmax_t(dims.z) * sizeof(float);
+    std::error_code failed;
+    const auto written = std::filesystem::file_size(file.temporary(), failed);
+    if (failed || written < least) throw IoError("cannot write '" + path + "': is the disk full?");
+    file.commit();
 }
 
 }  // namespace raysweep

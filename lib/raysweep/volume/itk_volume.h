@@ -33,4 +33,9 @@ StoredVolume readItkVolume(const std::string& path, ItkFormat format, const Prog
 StoredVolume readDicomSeries(const std::vector<std::string>& files, const std::string& series, bool positions = true,
                              const ProgressCallback& progress = {});
 
+/// Writes a MetaImage (.mha) of 32 bit floats, i fastest, whole or not at all. `spacing` may be negative: the axis then
+/// counts backwards. @throw InvalidArgument if a spacing is 0 or not finite. @throw IoError if it cannot be written.
+void writeMetaImage(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
+                    const Vec3& spacing);
+
 }  // namespace raysweep

@@ -1,0 +1,144 @@
+#include "raysweep/reconstruct/projection_io.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/image/image_io.h"
+#include "raysweep/volume/itk_volume.h"
+#include "raysweep/volume/volume_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+namespace fs = std::filesystem;
+
+namespace raysweep {
+namespace {
+
+const char* const kReadable =
+    "MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), or pictures (TIFF, EXR, PNG), one for each view";
+
+/// Kinds of files that are at home in a CT scan, or in this program, but hold no projections that this reader knows.
+void requireProjections(const std::string& path) {
+    const std::string extension = lowerExtension(path);
+    const char* what = extension == ".h5" || extension == ".hdf5" || extension == ".nxs"
+                           ? "HDF5: counts, not line integrals"
+                       : extension == ".xml" || extension == ".json" ? "a geometry"
+                       : extension == ".vdb"                         ? "a sparse volume"
+                                                                     : nullptr;
+    if (what)
+        throw InvalidArgument("cannot read projections from '" + path + "': it is " + what + "; give " + kReadable);
+}
+
+Projections converted(const StoredVolume& stored) {
+    Projections projections(stored.dims.x, stored.dims.y, stored.dims.z);
+    withSampleType(stored.type, [&](auto zero) {
+        const auto* from = reinterpret_cast<const decltype(zero)*>(stored.samples.get());
+        const std::size_t pixels = projections.pixelsPerView();
+        parallelFor(std::size_t(projections.views), [&](std::size_t n) {
+            for (std::size_t p = n * pixels; p < (n + 1) * pixels; ++p) projections.values[p] = float(from[p]);
+        });
+    });
+    return projections;
+}
+
+/// Infinities, where they are allowed, become NaN.
+void checkFinite(Projections& projections, const std::string& path, bool repair) {
+    std::size_t bad = 0, first = 0;
+    for (std::size_t p = 0; p < projections.values.size(); ++p) {
+        float& value = projections.values[p];
+        if (std::isfinite(value)) continue;
+        if (bad++ == 0) first = p;
+        if (repair) value = std::numeric_limits<float>::quiet_NaN();
+    }
+    if (bad == 0 || repair) return;
+    const auto width = std::size_t(projections.width), pixels = projections.pixelsPerView();
+    throw InvalidArgument("'" + path + "' has " + std::to_string(bad) + (bad > 1 ? " values" : " value") + " that " +
+                          (bad > 1 ? "are" : "is") + " NaN or infinite, the first in view " +
+                          std::to_string(first / pixels) + ", row " + std::to_string(first % pixels / width) +
+                          ", column " + std::to_string(first % width) +
+                          " (all counted from 0); ask for repair to leave such rays out as not measured");
+}
+
+/// Spacing and origin along the detector's axes, where these are the world's x and y.
+void keepPlace(const StoredVolume& stored, ProjectionFile& file) {
+    const Vec3 &column = stored.steps[0], &row = stored.steps[1];
+    const auto isZero = [](double value, double step) { return std::abs(value) <= 1e-6 * std::abs(step); };
+    if (!isZero(column.y, column.x) || !isZero(column.z, column.x) || !isZero(row.x, row.y) || !isZero(row.z, row.y))
+        return;
+    file.spacing = DetectorPair{column.x, row.y};
+    file.origin = DetectorPair{stored.origin.x, stored.origin.y};
+}
+
+void requireComplete(const Projections& projections) {
+    const auto count = [&] { return projections.pixelsPerView() * std::size_t(projections.views); };
+    if (projections.width > 0 && projections.height > 0 && projections.views > 0 &&
+        projections.values.size() == count())
+        return;
+    throw InvalidArgument("projections of " + std::to_string(projections.width) + "x" +
+                          std::to_string(projections.height) + " pixels and " + std::to_string(projections.views) +
+                          " views with " + std::to_string(projections.values.size()) +
+                          " values: all must be positive, and there must be one value for each pixel and view");
+}
+
+}  // namespace
+
+ProjectionFile readProjections(const std::vector<std::string>& files, const ProjectionReadOptions& options,
+                               const ProgressCallback& progress) {
+    if (files.empty()) throw InvalidArgument(std::string("no files to read projections from; give ") + kReadable);
+    for (const std::string& path : files) requireProjections(path);
+    const StoredVolume stored = readVolumeFiles(files, "", false, progress);
+    if (stored.format == "DICOM" || stored.format == "NIfTI")
+        throw InvalidArgument("cannot read projections from '" + files.front() + "': it is " + stored.format +
+                              ", which holds volumes; give " + kReadable);
+    ProjectionFile file;
+    file.format = stored.format;
+    file.complete = stored.complete;
+    if (!file.complete) return file;
+    file.projections = converted(stored);
+    checkFinite(file.projections, files.front(), options.repair);
+    if (stored.format != "pictures") keepPlace(stored, file);
+    return file;
+}
+
+std::vector<std::string> projectionFiles(const std::string& path, int views) {
+    if (imageFormat(path) != ImageFormat::Exr) return {path};
+    const std::size_t digits = std::max<std::size_t>(4, std::to_string(views).size());
+    const fs::path whole(path);
+    std::vector<std::string> files;
+    for (int n = 1; n <= views; ++n) {
+        std::string number = std::to_string(n);
+        number.insert(0, digits - number.size(), '0');
+        files.push_back(
+            (whole.parent_path() / (whole.stem().string() + "_" + number + whole.extension().string())).string());
+    }
+    return files;
+}
+
+void writeProjections(const std::string& path, const Projections& projections,
+                      const std::optional<DetectorPair>& spacing, const std::optional<DetectorPair>& origin) {
+    requireComplete(projections);
+    const int width = projections.width, height = projections.height;
+    if (lowerExtension(path) == ".mha") {
+        const DetectorPair step = spacing.value_or(DetectorPair{1, 1});
+        const DetectorPair start =
+            origin.value_or(DetectorPair{-0.5 * (width - 1) * step[0], -0.5 * (height - 1) * step[1]});
+        writeMetaImage(path, Index3(width, height, projections.views), projections.values.data(),
+                       Vec3(start[0], start[1], 0), Vec3(step[0], step[1], 1));
+        return;
+    }
+    if (imageFormat(path) != ImageFormat::Exr)
+        throw IoError("cannot write '" + path + "': the extension '" + lowerExtension(path) +
+                      "' is not known for projections; use .mha, or .exr for numbered pictures");
+    const std::vector<std::string> files = projectionFiles(path, projections.views);
+    for (int n = 0; n < projections.views; ++n) {
+        Image image(width, height, 1);
+        std::copy_n(projections.view(n), image.pixels.size(), image.pixels.begin());
+        writeImage(files[std::size_t(n)], image);
+    }
+}
+
+}  // namespace raysweep
