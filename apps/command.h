@@ -30,5 +30,7 @@ void addCompare(CLI::App& app, int& exitCode);
 void addGenerate(CLI::App& app, int& exitCode);
 void addImport(CLI::App& app, int& exitCode);
 void addExport(CLI::App& app, int& exitCode);
+void addProject(CLI::App& app, int& exitCode);
+void addCt(CLI::App& app, int& exitCode);
 
 }  // namespace raysweep::apps

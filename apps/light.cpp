@@ -226,6 +226,18 @@ Illumination solve(LightArguments& a, const Scene& scene) {
     return lit;
 }
 
+void plotHistory(const LightArguments& a, const std::vector<ConvergencePoint>& history) {
+    if (history.empty()) return;
+    Curve rms{"RMS difference of radiosity, 20 sweeps apart", {}}, unshot{"unshot power / power injected", {}};
+    for (const ConvergencePoint& point : history) {
+        rms.points.emplace_back(point.sweep, point.rms);
+        unshot.points.emplace_back(point.sweep, point.unshotShare);
+    }
+    const double tolerance = a.options.tolerance;
+    const Curve limit{"tolerance", {{history.front().sweep, tolerance}, {history.back().sweep, tolerance}}, true};
+    plotCurves(a.plot, {"sweeps", "relative to the answer"}, {rms, unshot, limit});
+}
+
 int run(LightArguments& a) {
     const ThreadLimit limit = start(a.common);
     if (!a.explain) requireWritable(a.output);
@@ -259,7 +271,7 @@ int run(LightArguments& a) {
     const double writeSeconds = timer.seconds();
     comment(a, lit);
     writeReport(a.common, describe(a, scene, lit, readSeconds, writeSeconds));
-    if (!a.plot.empty()) plotConvergence(a.plot, lit.history, a.options.tolerance);
+    if (!a.plot.empty()) plotHistory(a, lit.history);
     return lit.termination == Termination::interrupted ? kInterrupted : kDone;
 }
 

@@ -14,8 +14,8 @@ namespace {
 
 using namespace raysweep::apps;
 
-constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight, addRender,  addImport, addGenerate,
-                                                     addInfo,  addCompare, addExport};
+constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addImport,  addGenerate, addInfo,
+                                                     addCompare, addExport, addProject, addCt};
 
 int fail(const char* what) {
     std::fprintf(stderr, "raysweep: %s\n", what);

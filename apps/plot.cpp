@@ -5,6 +5,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <sstream>
@@ -18,14 +19,18 @@ std::string quoted(const std::string& text) {
     return result + "'";
 }
 
-/// Inline data for gnuplot; logarithmic axes have no place for zero.
-std::string dataBlock(const char* name, const std::vector<ConvergencePoint>& history, double ConvergencePoint::*value) {
+/// Inline data for gnuplot.
+std::string dataBlock(std::size_t number, const Curve& curve) {
     std::ostringstream block;
-    block << "$" << name << " << EOD\n";
-    for (const ConvergencePoint& point : history)
-        if (point.*value > 0) block << point.sweep << ' ' << point.*value << '\n';
+    block << "$curve" << number << " << EOD\n";
+    for (const auto& [x, y] : curve.points)
+        if (y > 0) block << x << ' ' << y << '\n';
     block << "EOD\n";
     return block.str();
+}
+
+bool hasPoints(const Curve& curve) {
+    return std::any_of(curve.points.begin(), curve.points.end(), [](const auto& point) { return point.second > 0; });
 }
 
 void runGnuplot(const std::string& script, const std::string& path) {
@@ -45,21 +50,24 @@ void requirePlot(const std::string& path) {
         throw IoError("--plot needs the program gnuplot: install it (Debian: apt-get install gnuplot-nox)");
 }
 
-void plotConvergence(const std::string& path, const std::vector<ConvergencePoint>& history, double tolerance) {
-    if (history.empty()) return;
+void plotCurves(const std::string& path, const PlotLabels& labels, const std::vector<Curve>& curves) {
     OutputFile file(path);
     const bool svg = std::filesystem::path(path).extension() == ".svg";
+    std::ostringstream data, lines;
+    for (std::size_t n = 0; n < curves.size(); ++n) {
+        if (!hasPoints(curves[n])) continue;
+        data << dataBlock(n, curves[n]);
+        lines << (lines.str().empty() ? "plot " : ", ") << "$curve" << n << " with "
+              << (curves[n].isLimit ? "lines dt 2 lc 'black'" : "linespoints pt 7 ps 0.4 lw 2") << " title "
+              << quoted(curves[n].title);
+    }
+    if (lines.str().empty()) return;
     std::ostringstream script;
     script << "set terminal " << (svg ? "svg size 800,500 background 'white'" : "pngcairo size 800,500") << "\n"
            << "set output " << quoted(file.temporary()) << "\n"
-           << "set xlabel 'sweeps'\nset ylabel 'relative to the answer'\n"
+           << "set xlabel " << quoted(labels.x) << "\nset ylabel " << quoted(labels.y) << "\n"
            << "set logscale y\nset format y '%g'\nset grid\nset key top right\n"
-           << dataBlock("rms", history, &ConvergencePoint::rms)
-           << dataBlock("unshot", history, &ConvergencePoint::unshotShare)
-           << "plot $rms with linespoints pt 7 ps 0.4 lw 2 title 'RMS difference of radiosity, 20 sweeps apart', "
-           << "$unshot with lines lw 2 title 'unshot power / power injected'";
-    if (tolerance > 0) script << ", " << tolerance << " with lines dt 2 lc 'black' title 'tolerance'";
-    script << "\n";
+           << data.str() << lines.str() << "\n";
     runGnuplot(script.str(), path);
     file.commit();
 }

@@ -2,8 +2,8 @@
 #include "scan_options.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/output_file.h"
 #include "raysweep/core/file_name.h"
+#include "raysweep/core/output_file.h"
 #include "raysweep/reconstruct/detector.h"
 #include "raysweep/reconstruct/geometry_io.h"
 #include "raysweep/reconstruct/projection_io.h"
@@ -91,8 +91,9 @@ int run(const ProjectArguments& a) {
     const nlohmann::ordered_json report = describe(projections, seconds);
     const double most = report["max"];
     if (most > 20)
-        warning(a.common, "the largest line integral is " + brief(most, 3) +
-                              ": no X-rays would come through; a lower --extinction makes it like a measured one (2 to 6)");
+        warning(a.common,
+                "the largest line integral is " + brief(most, 3) +
+                    ": no X-rays would come through; a lower --extinction makes it like a measured one (2 to 6)");
     detail(a.common, std::to_string(projections.views) + " views, largest line integral " + brief(most, 3));
     writeReport(a.common, report);
     return kDone;
@@ -115,9 +116,11 @@ void addProject(CLI::App& app, int& exitCode) {
     addScanOptions(*command, a->scan);
     command->option_defaults()->group("Detector");
     command->add_option("--axis-column", a->scan.axisColumn, "Column onto which the axis falls (default: the middle)");
-    command->add_option("--photons", a->detector.photons, "Photons per pixel without object: adds Poisson noise (default: none)");
+    command->add_option("--photons", a->detector.photons,
+                        "Photons per pixel without object: adds Poisson noise (default: none)");
     command->add_option("--saturation", a->detector.saturation, "Largest line integral that the detector can tell");
-    command->add_option("--bits", a->detector.bits, "Round to 2^N levels between 0 and the largest value (default: not)");
+    command->add_option("--bits", a->detector.bits,
+                        "Round to 2^N levels between 0 and the largest value (default: not)");
     command->option_defaults()->group("Options");
     addCommonOptions(*command, a->common);
     command->callback([a, &exitCode] {

@@ -83,7 +83,8 @@ void addScanOptions(CLI::App& app, ScanArguments& a) {
                    "Where each view's rays run: RTK's ThreeDCircularGeometry .xml, or .json as docs/ct.md says")
         ->type_name("FILE");
     app.add_flag("--parallel", a.parallel, "Instead: parallel rays, turning about z");
-    app.add_option("--cone", a.cone, "Instead: rays from a point, turning about z; distances from source to axis and detector")
+    app.add_option("--cone", a.cone,
+                   "Instead: rays from a point, turning about z; distances from source to axis and detector")
         ->type_name("SID,SDD");
     app.add_option("--views", a.views, "Number of views")->check(CLI::Range(1, 1 << 20).description(""));
     app.add_option("--arc", a.arc, "Degrees that the views are spread over (default: 180 parallel, 360 cone)")

@@ -55,7 +55,8 @@ void detect(Projections& projections, const DetectorModel& model) {
         const float levels = float((1 << model.bits) - 1);
         if (most > 0)
             for (float& value : projections.values)
-                if (!std::isnan(value)) value = std::round(std::clamp(value / most, 0.0f, 1.0f) * levels) / levels * most;
+                if (!std::isnan(value))
+                    value = std::round(std::clamp(value / most, 0.0f, 1.0f) * levels) / levels * most;
     }
 }
 

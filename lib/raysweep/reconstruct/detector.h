@@ -10,7 +10,7 @@ namespace raysweep {
 struct DetectorModel {
     double photons = 0;     ///< counted in a pixel without object; Poisson noise follows from it. 0: no noise, >= 0
     double saturation = 0;  ///< larger line integrals are measured as this; 0: none, >= 0
-    int bits = 0;           ///< line integrals are rounded to 2^bits levels from 0 to the largest; 0: not, else in [1,24]
+    int bits = 0;  ///< line integrals are rounded to 2^bits levels from 0 to the largest; 0: not, else in [1,24]
     std::uint32_t seed = 1;  ///< of the noise
 
     /// @throw InvalidArgument naming field, value and bound.

@@ -1,0 +1,349 @@
+/// raysweep ct: a volume from its X-rays.
+#include "ct_input.h"
+#include "plot.h"
+#include "slices.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
+#include "raysweep/core/memory.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/image/image_io.h"
+#include "raysweep/reconstruct/fbp.h"
+#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/reconstruct/sart.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/statistics.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+enum class Method { sart, osSart, sirt, fbp, fdk };
+
+const std::map<std::string, Method> kMethods = {{"fbp", Method::fbp},
+                                                {"fdk", Method::fdk},
+                                                {"os-sart", Method::osSart},
+                                                {"sart", Method::sart},
+                                                {"sirt", Method::sirt}};
+const std::map<std::string, ViewOrder> kOrders = {
+    {"golden", ViewOrder::golden}, {"random", ViewOrder::random}, {"sequential", ViewOrder::sequential}};
+const std::map<std::string, Support> kSupports = {{"auto", Support::automatic}, {"none", Support::none}};
+const std::map<std::string, RampWindow> kWindows = {{"cosine", RampWindow::cosine},
+                                                    {"hamming", RampWindow::hamming},
+                                                    {"hann", RampWindow::hann},
+                                                    {"ram-lak", RampWindow::ramLak},
+                                                    {"shepp-logan", RampWindow::sheppLogan}};
+
+/// What the user typed; empty text: not given.
+struct CtArguments {
+    CommonOptions common;
+    CtInputArguments input;
+    SartOptions sart;
+    FbpOptions fbp;
+    std::string output, method = "sart", order = "golden", support = "auto", window = "ram-lak";
+    std::string size, center, initial, reference, plot, slices;
+    std::optional<double> spacing;
+    int subset = 0;  ///< os-sart: views that correct together
+    bool nonNegative = false, half = false;
+};
+
+bool isDirect(Method method) {
+    return method == Method::fbp || method == Method::fdk;
+}
+
+void addMethodOptions(CLI::App& app, CtArguments& a) {
+    app.option_defaults()->group("Method");
+    app.add_option("--method", a.method,
+                   "sart: view after view; os-sart: some together; sirt: all together; fbp, fdk: in one step")
+        ->check(CLI::IsMember(kMethods).description(""))
+        ->type_name("sart|os-sart|sirt|fbp|fdk")
+        ->capture_default_str();
+    app.add_option("--iterations", a.sart.iterations, "Passes over all views")->capture_default_str();
+    app.add_option("--relaxation", a.sart.relaxation, "Part of each correction that is made")->capture_default_str();
+    app.add_option("--decay", a.sart.relaxationDecay, "Pass n, from 0, is relaxed by relaxation / (1 + decay n)")
+        ->capture_default_str();
+    app.add_option("--order", a.order, "In which order views correct the volume")
+        ->check(CLI::IsMember(kOrders).description(""))
+        ->type_name("golden|random|sequential")
+        ->capture_default_str();
+    app.add_option("--subset", a.subset, "os-sart: views that correct together (default: a tenth of them)");
+    app.add_flag("--nonnegative", a.nonNegative, "No voxel below 0");
+    app.add_option("--upper", a.sart.upper, "No voxel above it, 1/world unit (default: none)");
+    app.add_option("--tv", a.sart.totalVariation,
+                   "After each pass lower the total variation, by steps of this part of what the pass changed")
+        ->capture_default_str();
+    app.add_option("--stop-residual", a.sart.stopResidual,
+                   "Stop when line integrals are met to this part of their RMS; 0: never")
+        ->capture_default_str();
+    app.add_option("--support", a.support, "auto: only voxels that no view sees past are kept; none: all")
+        ->check(CLI::IsMember(kSupports).description(""))
+        ->type_name("auto|none")
+        ->capture_default_str();
+    app.add_option("--support-threshold", a.sart.supportThreshold,
+                   "Line integrals up to this part of the largest are nothing")
+        ->capture_default_str();
+    app.add_option("--initial", a.initial, "Start from a volume, or from filtered backprojection")
+        ->type_name("VOL.vdb|fbp");
+    app.add_option("--window", a.window, "fbp, fdk: by what the ramp filter is softened")
+        ->check(CLI::IsMember(kWindows).description(""))
+        ->type_name("ram-lak|shepp-logan|cosine|hamming|hann")
+        ->capture_default_str();
+    app.add_option("--cutoff", a.fbp.cutoff,
+                   "fbp, fdk: where the filter ends, part of the detector's highest frequency")
+        ->capture_default_str();
+}
+
+void addOptions(CLI::App& app, CtArguments& a) {
+    addCtInputOptions(app, a.input);
+    app.add_option("-o,--output", a.output, "The .vdb file to write: a grid density, 1/world unit")
+        ->required()
+        ->type_name("VOL.vdb");
+    addMethodOptions(app, a);
+    app.option_defaults()->group("Volume");
+    app.add_option("--size", a.size, "Voxels along x, y, z (default: all that the detector sees)")->type_name("X,Y,Z");
+    app.add_option("--spacing", a.spacing, "Edge of a voxel, world units (default: a pixel's, seen at the axis)");
+    app.add_option("--volume-center", a.center, "Middle of the volume, world units (default: 0,0,0 with --size)")
+        ->type_name("X,Y,Z");
+    app.add_option("--tolerance", a.sart.tolerance, "Voxels this close to 0 are left out")->capture_default_str();
+    app.add_flag("--half", a.half, "Save as half floats");
+    app.option_defaults()->group("Pictures and checks");
+    app.add_option("--reference", a.reference,
+                   "What it should be: adds its RMS difference after each pass to the report")
+        ->type_name("VOL.vdb");
+    app.add_option("--plot", a.plot, "Residual and RMS difference against updates, .svg or .png")->type_name("FILE");
+    app.add_option("--slices", a.slices, "Slices through the middle, as a picture")->type_name("FILE.png|.exr");
+    app.option_defaults()->group("Options");
+    addCommonOptions(app, a.common);
+}
+
+/// Everything that can be said to be wrong before a file is read.
+void completeOptions(CtArguments& a, const CLI::App& command) {
+    requireFileOutput(a.output);
+    completeOptions(a.input);
+    const Method method = kMethods.at(a.method);
+    if (isDirect(method)) {
+        for (const char* name : {"--iterations", "--relaxation", "--decay", "--order", "--subset", "--upper", "--tv",
+                                 "--stop-residual", "--support", "--support-threshold", "--initial", "--plot"})
+            if (command.count(name) > 0) usageError(name, "is for iterative methods, not for " + a.method);
+    } else if (a.initial != "fbp" && (command.count("--window") > 0 || command.count("--cutoff") > 0)) {
+        usageError(command.count("--window") > 0 ? "--window" : "--cutoff", "is for fbp and fdk");
+    }
+    if (command.count("--subset") > 0 && method != Method::osSart) usageError("--subset", "is for os-sart");
+    if (a.subset < 0) usageError("--subset", "must be at least 1");
+    if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
+        usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
+    if (a.spacing && !(*a.spacing > 0 && std::isfinite(*a.spacing))) usageError("--spacing", "must be positive");
+    if (!a.size.empty()) parseWhole(a.size, "--size", 3, 1, 1 << 14, "256,256,110");
+    a.sart.order = kOrders.at(a.order);
+    a.sart.support = kSupports.at(a.support);
+    a.sart.seed = a.common.seed;
+    a.fbp.window = kWindows.at(a.window);
+    a.fbp.nonNegative = a.nonNegative;
+    if (a.nonNegative) a.sart.lower = 0;
+    try {
+        a.sart.validate();
+        a.fbp.validate();
+    } catch (const InvalidArgument& e) {
+        usageError("ct", e.what());
+    }
+}
+
+ReconstructionGrid gridFor(const CtArguments& a, const ProjectionGeometry& geometry) {
+    ReconstructionGrid grid;
+    if (a.size.empty() || !a.spacing) grid = coveringGrid(geometry);
+    const Vec3 extent = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;
+    if (a.spacing) grid.spacing = *a.spacing;
+    if (!a.size.empty()) {
+        const std::vector<int> size = parseWhole(a.size, "--size", 3, 1, 1 << 14, "256,256,110");
+        grid.dims = Index3(size[0], size[1], size[2]);
+        grid.center = Vec3(0);
+    } else if (a.spacing) {
+        for (int axis = 0; axis < 3; ++axis)
+            grid.dims[axis] = std::max(1, int(std::lround(extent[axis] / grid.spacing)));
+    }
+    if (!a.center.empty()) grid.center = parseVec3(a.center, "--volume-center");
+    return grid;
+}
+
+struct Reconstruction {
+    openvdb::FloatGrid::Ptr volume;
+    SartResult iterative;  ///< its volume is taken away; nothing else in it for direct methods
+    double seconds = 0;
+    bool interrupted = false;
+};
+
+/// Filtered backprojection needs a value for every ray.
+openvdb::FloatGrid::Ptr filtered(const CtArguments& a, const CtInput& input, const ReconstructionGrid& grid,
+                                 const ProgressCallback& progress) {
+    const std::string amiss = scanWarning(input.geometry);
+    if (!amiss.empty()) warning(a.common, amiss);
+    if (input.notMeasured == 0) return filteredBackprojection(input.projections, input.geometry, grid, a.fbp, progress);
+    Projections complete = input.projections;
+    fillUnmeasured(complete);
+    return filteredBackprojection(complete, input.geometry, grid, a.fbp, progress);
+}
+
+openvdb::FloatGrid::Ptr readVolume(const std::string& path) {
+    if (path.empty()) return nullptr;
+    const openvdb::FloatGrid::Ptr grid = selectDensity(readVdb(path));
+    checkFinite(*grid, path);
+    return grid;
+}
+
+Reconstruction reconstruct(CtArguments& a, const CtInput& input, const ReconstructionGrid& grid) {
+    const Method method = kMethods.at(a.method);
+    const bool directFirst = a.initial == "fbp";
+    SartVolumes volumes{directFirst ? nullptr : readVolume(a.initial), readVolume(a.reference)};
+    const int views = input.projections.views;
+    a.sart.viewsPerUpdate = method == Method::sart   ? 1
+                            : method == Method::sirt ? 0
+                            : a.subset > 0           ? a.subset
+                                                     : std::max(1, views / 10);
+
+    TerminalProgress progress(a.common);
+    const Timer timer;
+    Reconstruction result;
+    if (isDirect(method) || directFirst) volumes.initial = filtered(a, input, grid, progress.callback());
+    if (isDirect(method)) {
+        result.volume = std::const_pointer_cast<openvdb::FloatGrid>(volumes.initial);
+        result.interrupted = TerminalProgress::interrupted();
+    } else {
+        result.iterative = sart(input.projections, input.geometry, grid, a.sart, volumes, progress.callback());
+        result.volume = result.iterative.volume;
+        result.interrupted = result.iterative.termination == SartTermination::interrupted;
+    }
+    result.seconds = timer.seconds();
+    return result;
+}
+
+/// Signs that lengths were mixed up.
+void commentOnScale(const CtArguments& a, const ProjectionGeometry& geometry, const ReconstructionGrid& grid,
+                    const openvdb::FloatGrid& volume) {
+    constexpr double kApart = 4;
+    const double natural = coveringGrid(geometry).spacing;
+    if (grid.spacing > kApart * natural || grid.spacing < natural / kApart)
+        warning(a.common,
+                "voxels are " + brief(grid.spacing / natural) +
+                    " times as large as the detector's pixels, seen at the axis; are --spacing, --pitch and the "
+                    "geometry in the same unit (mm, cm)?");
+    const ValueRange range = valueRange(volume);
+    if (!range.max.empty() && range.max[0] * grid.spacing > 1)
+        warning(a.common, "a single voxel would stop up to " +
+                              brief(100 * (1 - std::exp(-range.max[0] * grid.spacing))) +
+                              " % of the rays: densities as large as " + brief(range.max[0]) +
+                              " per world unit suggest that lengths were given in the wrong unit (mm, cm), or that the "
+                              "input does not hold line integrals");
+}
+
+void comment(const CtArguments& a, const CtInput& input, const Reconstruction& result) {
+    const int views = input.projections.views;
+    if (!isDirect(kMethods.at(a.method)) && 2 * result.iterative.viewsSeeing < views)
+        warning(a.common, "the volume falls onto the detector in " + std::to_string(result.iterative.viewsSeeing) +
+                              " of " + std::to_string(views) + " views only; check --volume-center and the geometry");
+    if (input.deadPixels > 0) detail(a.common, std::to_string(input.deadPixels) + " dead pixels were left out");
+    if (!result.iterative.passes.empty()) {
+        const SartPass& last = result.iterative.passes.back();
+        detail(a.common, std::to_string(last.updates) + " updates; residual " + brief(last.residual, 3) +
+                             (std::isnan(last.rms) ? "" : ", RMS difference " + brief(last.rms, 4)));
+    }
+    if (result.interrupted) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
+}
+
+double rmsOf(const openvdb::FloatGrid& volume, const std::string& reference) {
+    return compareGrids(volume, *readVolume(reference)).rmse;
+}
+
+nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, const ReconstructionGrid& grid,
+                                const Reconstruction& result, double readSeconds, std::size_t peakBytes) {
+    const SartResult& iterative = result.iterative;
+    nlohmann::ordered_json json = {{"method", a.method},
+                                   {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
+                                   {"spacing", grid.spacing},
+                                   {"voxels_active", result.volume->activeVoxelCount()},
+                                   {"seconds", readSeconds + result.seconds},
+                                   {"timings", {{"read", readSeconds}, {"reconstruct", result.seconds}}},
+                                   {"peak_bytes", peakBytes},
+                                   {"input", input.report()}};
+    if (isDirect(kMethods.at(a.method))) {
+        if (!a.reference.empty()) json["rms"] = rmsOf(*result.volume, a.reference);
+        return json;
+    }
+    json["updates"] = iterative.updates;
+    json["seconds_per_update"] = iterative.updates > 0 ? iterative.seconds / iterative.updates : 0.0;
+    json["voxels_kept"] = iterative.keptVoxels;
+    json["termination"] = result.interrupted                                   ? "interrupted"
+                          : iterative.termination == SartTermination::residual ? "residual"
+                                                                               : "iterations";
+    json["residual_history"] = nlohmann::ordered_json::array();
+    for (const SartPass& pass : iterative.passes) json["residual_history"].push_back(pass.residual);
+    if (!a.reference.empty()) {
+        json["rms_history"] = nlohmann::ordered_json::array();
+        for (const SartPass& pass : iterative.passes) json["rms_history"].push_back(pass.rms);
+    }
+    return json;
+}
+
+void plotPasses(const std::string& path, const std::vector<SartPass>& passes) {
+    Curve residual{"residual / RMS of the line integrals", {}}, rms{"RMS difference to the reference", {}};
+    for (const SartPass& pass : passes) {
+        residual.points.emplace_back(pass.updates, pass.residual);
+        if (!std::isnan(pass.rms)) rms.points.emplace_back(pass.updates, pass.rms);
+    }
+    plotCurves(path, {"updates", ""}, {residual, rms});
+}
+
+int run(CtArguments& a) {
+    const ThreadLimit limit = start(a.common);
+    requireWritable(a.output);
+    if (!a.plot.empty()) requirePlot(a.plot);
+    if (!a.slices.empty()) requireWritable(a.slices);
+
+    resetPeak();
+    const std::size_t before = residentBytes();
+    const Timer timer;
+    CtInput input;
+    {
+        TerminalProgress progress(a.common);
+        input = readCtInput(a.input, a.common, progress.callback());
+    }
+    if (!input.complete || TerminalProgress::interrupted()) {
+        message(a.common, "stopped; nothing was written");
+        return kInterrupted;
+    }
+    const double readSeconds = timer.seconds();
+    const ReconstructionGrid grid = gridFor(a, input.geometry);
+    const Reconstruction result = reconstruct(a, input, grid);
+    const std::size_t peak = peakResidentBytes();
+
+    result.volume->setSaveFloatAsHalf(a.half);
+    if (a.half && clampForHalf(*result.volume) > 0) warning(a.common, "values beyond half floats were set to 65504");
+    result.volume->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
+    writeVdb(a.output, {result.volume});
+    commentOnScale(a, input.geometry, grid, *result.volume);
+    comment(a, input, result);
+    writeReport(a.common, describe(a, input, grid, result, readSeconds, peak > before ? peak - before : 0));
+    if (!a.slices.empty()) writeImage(a.slices, middleSlices(*result.volume, grid.dims));
+    if (!a.plot.empty()) plotPasses(a.plot, result.iterative.passes);
+    return result.interrupted ? kInterrupted : kDone;
+}
+
+}  // namespace
+
+void addCt(CLI::App& app, int& exitCode) {
+    CLI::App* command = app.add_subcommand("ct", "Reconstruct a volume from its X-rays");
+    const auto arguments = std::make_shared<CtArguments>();
+    addOptions(*command, *arguments);
+    command->callback([arguments, command, &exitCode] {
+        completeOptions(*arguments, *command);
+        exitCode = run(*arguments);
+    });
+}
+
+}  // namespace raysweep::apps

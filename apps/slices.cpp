@@ -1,0 +1,49 @@
+#include "slices.h"
+
+#include "raysweep/image/image_io.h"
+
+#include <algorithm>
+
+namespace raysweep::apps {
+namespace {
+
+constexpr int kGap = 4;  ///< pixels between slices
+
+/// A slice across axis `normal`: axis `right` to the right, `up` upwards.
+struct Slice {
+    int normal, right, up;
+};
+constexpr Slice kSlices[] = {{2, 0, 1}, {1, 0, 2}, {0, 1, 2}};
+
+}  // namespace
+
+Image middleSlices(const openvdb::FloatGrid& grid, const Index3& dims) {
+    int width = -kGap, height = 0;
+    for (const Slice& slice : kSlices) {
+        width += dims[slice.right] + kGap;
+        height = std::max(height, dims[slice.up]);
+    }
+    Image image(width, height, 3);
+    float least = 0, most = 0;
+    auto values = grid.getConstAccessor();
+    int left = 0;
+    for (const Slice& slice : kSlices) {
+        openvdb::Coord voxel;
+        voxel[slice.normal] = dims[slice.normal] / 2;
+        for (int y = 0; y < dims[slice.up]; ++y)
+            for (int x = 0; x < dims[slice.right]; ++x) {
+                voxel[slice.right] = x;
+                voxel[slice.up] = dims[slice.up] - 1 - y;
+                const float value = values.getValue(voxel);
+                least = std::min(least, value);
+                most = std::max(most, value);
+                std::fill_n(image.at(left + x, y), 3, value);
+            }
+        left += dims[slice.right] + kGap;
+    }
+    const float range = most > least ? most - least : 1;
+    for (float& value : image.pixels) value = linearFromSrgb(std::clamp((value - least) / range, 0.0f, 1.0f));
+    return image;
+}
+
+}  // namespace raysweep::apps
