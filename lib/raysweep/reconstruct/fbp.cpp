@@ -7,7 +7,6 @@
 #include "raysweep/reconstruct/view_matrix.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iomanip>
 #include <memory>
@@ -85,11 +84,12 @@ struct Scan {
     }
 };
 
-/// A view ready for backprojection. Pixels are stored with a rim of zeros: one before, two after, so that the four
-/// pixels about any place on the detector or one pixel beside it are there.
+/// Views ready for backprojection: detector columns one after the other, as a column of voxels mostly falls on one.
+/// They have a rim of zeros, one pixel before, two after, so that the four pixels about any place on the detector or
+/// one pixel beside it are there.
 struct FilteredViews {
-    int width, height;  ///< without the rim
-    std::size_t stride;
+    int width, height;   ///< without the rim
+    std::size_t stride;  ///< of columns
     std::size_t perView;
     std::vector<float> values;
     std::vector<ViewMatrix> matrices;
@@ -97,26 +97,31 @@ struct FilteredViews {
     explicit FilteredViews(const ProjectionGeometry& geometry)
         : width(geometry.width),
           height(geometry.height),
-          stride(std::size_t(width) + 3),
-          perView(stride * (std::size_t(height) + 3)),
+          stride(std::size_t(height) + 3),
+          perView(stride * (std::size_t(width) + 3)),
           values(perView * geometry.views.size()) {
         for (const XrayView& view : geometry.views) matrices.push_back(viewMatrix(view, geometry.beam));
     }
 
-    float* row(std::size_t n, int y) { return values.data() + n * perView + std::size_t(y + 1) * stride + 1; }
+    float* column(std::size_t n, int x) { return values.data() + n * perView + std::size_t(x + 1) * stride + 1; }
     const float* view(std::size_t n) const { return values.data() + n * perView; }
 };
 
+/// `rows`: room for one view.
 void filterView(FilteredViews& filtered, std::size_t n, const Projections& projections, const XrayView& view,
-                const Scan& scan, const RampFilter& ramp) {
+                const Scan& scan, const RampFilter& ramp, std::vector<float>& rows) {
+    const std::size_t width = std::size_t(filtered.width), height = std::size_t(filtered.height);
     const double scale = scan.scale(view);
-    parallelFor(std::size_t(filtered.height), [&](std::size_t y) {
-        const float* from = projections.view(int(n)) + y * std::size_t(filtered.width);
-        float* to = filtered.row(n, int(y));
-        for (int x = 0; x < filtered.width; ++x)
-            to[x] = float(from[x] * scale * scan.weight(view, n, view.pixel(x, double(y))));
+    parallelFor(height, [&](std::size_t y) {
+        const float* from = projections.view(int(n)) + y * width;
+        for (std::size_t x = 0; x < width; ++x)
+            rows[y * width + x] = float(from[x] * scale * scan.weight(view, n, view.pixel(double(x), double(y))));
     });
-    ramp.apply(filtered.row(n, 0), std::size_t(filtered.height), filtered.stride);
+    ramp.apply(rows.data(), height, width);
+    parallelFor(width, [&](std::size_t x) {
+        float* column = filtered.column(n, int(x));
+        for (std::size_t y = 0; y < height; ++y) column[y] = rows[y * width + x];
+    });
 }
 
 /// A number that changes evenly from voxel to voxel of a column.
@@ -125,26 +130,65 @@ struct Progression {
     float operator()(int k) const { return first + float(k) * step; }
 };
 
-/// Adds what one view shows to the `count` voxels of a column along z that begins at `first`.
-void backprojectColumn(const FilteredViews& views, std::size_t n, const Vec3& first, double spacing, int count,
-                       float* sums) {
-    const ViewMatrix& matrix = views.matrices[n];
-    const auto along = [&](const ViewMatrix::Affine& f) {
-        return Progression{float(f(first)), float(f.a.z * spacing)};
-    };
-    const Progression x = along(matrix.x), y = along(matrix.y), depth = along(matrix.depth);
+/// `count` voxels one above the other, and where a view sees them.
+struct VoxelColumn {
+    Progression x, y, depth;  ///< see ViewMatrix
+    int count;
+
+    VoxelColumn(const ViewMatrix& matrix, const Vec3& first, double spacing, int count)
+        : x(along(matrix.x, first, spacing)),
+          y(along(matrix.y, first, spacing)),
+          depth(along(matrix.depth, first, spacing)),
+          count(count) {}
+
+    /// All on one column of the detector, at one depth: to a thousandth of a pixel.
+    bool isUpright() const {
+        const float n = float(count);
+        return std::abs(x.step) * n < 1e-3f * depth.first && std::abs(depth.step) * n < 1e-6f * depth.first;
+    }
+
+  private:
+    static Progression along(const ViewMatrix::Affine& f, const Vec3& first, double spacing) {
+        return {float(f(first)), float(f.a.z * spacing)};
+    }
+};
+
+/// Place on a detector of `size` pixels as one in the rim's count; beside the detector it becomes the rim's edge.
+inline float inRim(float place, int size) {
+    return std::min(std::max(place + 1, 0.0f), float(size + 1));
+}
+
+/// Adds what view n shows to a column of voxels.
+void addTilted(const FilteredViews& views, std::size_t n, const VoxelColumn& voxels, float* sums) {
     const float* pixels = views.view(n);
-    const float right = float(views.width + 1), low = float(views.height + 1);
     const std::size_t stride = views.stride;
-    for (int k = 0; k < count; ++k) {
-        const float inverse = 1 / depth(k);
-        const float u = std::min(std::max(x(k) * inverse + 1, 0.0f), right);
-        const float v = std::min(std::max(y(k) * inverse + 1, 0.0f), low);
+    for (int k = 0; k < voxels.count; ++k) {
+        const float inverse = 1 / voxels.depth(k);
+        const float u = inRim(voxels.x(k) * inverse, views.width), v = inRim(voxels.y(k) * inverse, views.height);
         const int column = int(u), row = int(v);
         const float fu = u - float(column), fv = v - float(row);
-        const float* p = pixels + std::size_t(row) * stride + std::size_t(column);
-        const float above = p[0] + fu * (p[1] - p[0]), below = p[stride] + fu * (p[stride + 1] - p[stride]);
-        sums[k] += inverse * inverse * (above + fv * (below - above));
+        const float* p = pixels + std::size_t(column) * stride + std::size_t(row);
+        const float left = p[0] + fv * (p[1] - p[0]), right = p[stride] + fv * (p[stride + 1] - p[stride]);
+        sums[k] += inverse * inverse * (left + fu * (right - left));
+    }
+}
+
+/// The same for an upright column, which needs one blend of two detector columns. `line`: room for a detector column.
+void addUpright(const FilteredViews& views, std::size_t n, const VoxelColumn& voxels, float* line, float* sums) {
+    const float inverse = 1 / voxels.depth.first;
+    const float u = inRim(voxels.x.first * inverse, views.width);
+    const Progression y{voxels.y.first * inverse, voxels.y.step * inverse};
+    const int column = int(u);
+    const float fu = u - float(column);
+    const float* left = views.view(n) + std::size_t(column) * views.stride;
+    const float* right = left + views.stride;
+    const float firstV = inRim(y(0), views.height), lastV = inRim(y(voxels.count - 1), views.height);
+    const int from = int(std::min(firstV, lastV)), to = int(std::max(firstV, lastV)) + 1;
+    for (int row = from; row <= to; ++row) line[row] = inverse * inverse * (left[row] + fu * (right[row] - left[row]));
+    for (int k = 0; k < voxels.count; ++k) {
+        const float v = inRim(y(k), views.height);
+        const int row = int(v);
+        sums[k] += line[row] + (v - float(row)) * (line[row + 1] - line[row]);
     }
 }
 
@@ -154,12 +198,17 @@ constexpr int kEdge = 8;  ///< of a leaf
 std::vector<float> backprojectBlock(const FilteredViews& views, const ReconstructionGrid& where, int i, int j) {
     const int count = where.dims.z;
     const int endI = std::min(kEdge, where.dims.x - i), endJ = std::min(kEdge, where.dims.y - j);
-    std::vector<float> sums(std::size_t(kEdge) * kEdge * std::size_t(count));
+    std::vector<float> sums(std::size_t(kEdge) * kEdge * std::size_t(count)), line(views.stride);
     for (std::size_t n = 0; n < views.matrices.size(); ++n)
         for (int a = 0; a < endI; ++a)
-            for (int b = 0; b < endJ; ++b)
-                backprojectColumn(views, n, where.voxel(i + a, j + b, 0), where.spacing, count,
-                                  sums.data() + std::size_t(a * kEdge + b) * std::size_t(count));
+            for (int b = 0; b < endJ; ++b) {
+                const VoxelColumn voxels(views.matrices[n], where.voxel(i + a, j + b, 0), where.spacing, count);
+                float* to = sums.data() + std::size_t(a * kEdge + b) * std::size_t(count);
+                if (voxels.isUpright())
+                    addUpright(views, n, voxels, line.data(), to);
+                else
+                    addTilted(views, n, voxels, to);
+            }
     return sums;
 }
 
@@ -235,9 +284,10 @@ openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, c
     grid->setName("density");
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     const RampFilter ramp(geometry.width, options.window, options.cutoff);
+    std::vector<float> rows(projections.pixelsPerView());
     for (std::size_t n = 0; n < geometry.views.size(); ++n) {
         if (!report(progress, "filtering", double(n) / double(geometry.views.size()))) return grid;
-        filterView(filtered, n, projections, geometry.views[n], scan, ramp);
+        filterView(filtered, n, projections, geometry.views[n], scan, ramp, rows);
     }
     for (int i = 0; i < where.dims.x; i += kEdge) {
         if (!report(progress, "backprojecting", double(i) / where.dims.x)) return grid;
