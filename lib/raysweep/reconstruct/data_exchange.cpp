@@ -81,6 +81,25 @@ class Dataset {
 
     const std::vector<hsize_t>& sizes() const { return sizes_; }
 
+    /// HDF5 makes up zeros for what was never written, of a scan that was interrupted, for instance.
+    void requireWritten() const {
+        const Handle creation(H5Dget_create_plist(set_), H5Pclose);
+        const H5D_layout_t layout = H5Pget_layout(creation);
+        bool written = true;
+        if (layout == H5D_CHUNKED) {
+            std::vector<hsize_t> chunk(sizes_.size());
+            H5Pget_chunk(creation, int(chunk.size()), chunk.data());
+            hsize_t chunks = 1, stored = 0;
+            for (std::size_t axis = 0; axis < chunk.size(); ++axis)
+                chunks *= (sizes_[axis] + chunk[axis] - 1) / std::max<hsize_t>(chunk[axis], 1);
+            const Handle space(H5Dget_space(set_), H5Sclose);
+            written = H5Dget_num_chunks(set_, space, &stored) < 0 || stored >= chunks;
+        } else if (layout == H5D_CONTIGUOUS && H5Pget_external_count(creation) == 0) {
+            written = H5Dget_storage_size(set_) > 0;
+        }
+        if (!written) failHere("parts of it were never written; was the scan interrupted?");
+    }
+
     /// "181 x 2 x 640"
     std::string sizeText() const {
         std::string text;
@@ -191,6 +210,7 @@ DataExchange readDataExchange(const std::string& path, const std::optional<RowRa
     };
     const Dataset data = open("exchange/data"), white = open("exchange/data_white"), dark = open("exchange/data_dark");
     data.requireRank(3, "views x rows x columns");
+    for (const Dataset* set : {&data, &white, &dark}) set->requireWritten();
     const RowRange range = requireRows(rows, data, path);
 
     DataExchange scan;

@@ -29,7 +29,8 @@ struct RowRange {
 /// data exchange: a schema for HDF5-based storage of raw and analyzed data, J. Synchrotron Rad. 21 (2014), 1224-1230.
 /// @param rows the only ones to read; all without it.
 /// @throw InvalidArgument if `rows` are not in the file.
-/// @throw IoError naming the dataset that is missing, damaged, or of a size that does not fit the others.
+/// @throw IoError naming the dataset that is missing, damaged, never written in part, or of a size that does not fit
+/// the others.
 DataExchange readDataExchange(const std::string& path, const std::optional<RowRange>& rows = {},
                               const ProgressCallback& progress = {});
 

@@ -200,6 +200,39 @@ TEST_F(DataExchangeFile, DamagedPackedDataAreRefusedByDataset) {
     expectRefused("/exchange/data: it is damaged");
 }
 
+TEST_F(DataExchangeFile, ViewsThatWereNeverWrittenAreNotTakenForZeros) {
+    const auto writeViews = [&](hsize_t written) {
+        const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+        const hid_t group = H5Gcreate2(file, "exchange", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        const hsize_t sizes[] = {4, 2, 8}, one[] = {1, 2, 8};
+        const hid_t space = H5Screate_simple(3, sizes, nullptr), view = H5Screate_simple(3, one, nullptr);
+        const hid_t how = H5Pcreate(H5P_DATASET_CREATE);
+        H5Pset_chunk(how, 3, one);
+        H5Pset_deflate(how, 1);
+        const std::vector<float> counts(4 * 2 * 8, 7.0f);
+        for (const std::string name : {"data", "data_white", "data_dark"}) {
+            const hid_t set = H5Dcreate2(group, name.c_str(), H5T_IEEE_F32LE, space, H5P_DEFAULT, how, H5P_DEFAULT);
+            for (hsize_t n = 0; n < (name == "data" ? written : 4); ++n) {
+                const hsize_t start[] = {n, 0, 0};
+                H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, one, nullptr);
+                H5Dwrite(set, H5T_NATIVE_FLOAT, view, space, H5P_DEFAULT, counts.data());
+            }
+            H5Dclose(set);
+        }
+        H5Pclose(how);
+        H5Sclose(view);
+        H5Sclose(space);
+        H5Gclose(group);
+        H5Fclose(file);
+    };
+    writeViews(4);
+    EXPECT_EQ(readDataExchange(path).counts.view(3)[15], 7.0f);
+    for (const hsize_t written : {0, 3}) {
+        writeViews(written);
+        expectRefused("/exchange/data: parts of it were never written");
+    }
+}
+
 TEST_F(DataExchangeFile, StoppedReadingSaysSo) {
     write();
     EXPECT_FALSE(readDataExchange(path, {}, [](const std::string&, double) { return false; }).complete);
