@@ -35,11 +35,15 @@ TEST(RotationCenter, LastViewAtHalfATurn) {
 }
 
 TEST(RotationCenter, LastViewOneStepBeforeHalfATurn) {
+    // All of it far from the axis, and moving one way in the first view: the last view alone, for the missing one,
+    // would be wrong by half a step of it.
+    const std::vector<Disc> body = {{70, -5, 20, 0.03}, {60, 12, 6, 0.04}, {75, -20, 5, -0.02}};
     for (const int views : {90, 180, 181, 720}) {
         const std::vector<double> angles = anglesFrom(17, 180.0 / views, views);
         for (const double axis : {100.3, 127.5, 151.77})
-            EXPECT_NEAR(findRotationCenter(sinogram(lopsidedBody(), 256, axis, angles), angles).column, axis, kTenth)
-                << views << " views";
+            for (const auto& discs : {lopsidedBody(), body})
+                EXPECT_NEAR(findRotationCenter(sinogram(discs, 256, axis, angles), angles).column, axis, kTenth)
+                    << views << " views";
     }
 }
 
@@ -97,12 +101,11 @@ TEST(RotationCenter, ToothIsFoundWhereItsScanSaysAndInPartsOfItToo) {
     const DataExchange scan = readDataExchange(path);
     const Projections tooth = lineIntegrals(scan.counts, scan.flat, scan.dark).projections;
     EXPECT_NEAR(findRotationCenter(tooth, scan.angles).column, 296, 1);  // known to a column
-    for (const int left : {0, 100, 200}) {                               // the tooth is in columns 130 to 460 or so
+    for (const int left : {100, 200}) {                                  // the tooth is in columns 130 to 460 or so
         Projections part(340, tooth.height, tooth.views);
         for (int n = 0; n < tooth.views; ++n)
             for (int y = 0; y < tooth.height; ++y)
                 std::copy_n(tooth.view(n) + y * 640 + left, 340, part.view(n) + y * 340);
-        if (left == 0) continue;
         EXPECT_NEAR(left + findRotationCenter(part, scan.angles).column, 296, 1) << "columns from " << left;
     }
 }
