@@ -226,7 +226,8 @@ Reconstruction reconstruct(CtArguments& a, const CtInput& input, const Reconstru
 /// Signs that lengths were mixed up.
 void commentOnScale(const CtArguments& a, const ProjectionGeometry& geometry, const ReconstructionGrid& grid,
                     const openvdb::FloatGrid& volume) {
-    constexpr double kApart = 4;
+    constexpr double kApart = 4;   // between spacings, as a factor
+    constexpr double kOpaque = 2;  // optical depth of a voxel: no scan has one that stops 86 % of the rays
     const double natural = coveringGrid(geometry).spacing;
     if (grid.spacing > kApart * natural || grid.spacing < natural / kApart)
         warning(a.common,
@@ -234,7 +235,7 @@ void commentOnScale(const CtArguments& a, const ProjectionGeometry& geometry, co
                     " times as large as the detector's pixels, seen at the axis; are --spacing, --pitch and the "
                     "geometry in the same unit (mm, cm)?");
     const ValueRange range = valueRange(volume);
-    if (!range.max.empty() && range.max[0] * grid.spacing > 1)
+    if (!range.max.empty() && range.max[0] * grid.spacing > kOpaque)
         warning(a.common, "a single voxel would stop up to " +
                               brief(100 * (1 - std::exp(-range.max[0] * grid.spacing))) +
                               " % of the rays: densities as large as " + brief(range.max[0]) +

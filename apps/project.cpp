@@ -90,10 +90,9 @@ int run(const ProjectArguments& a) {
     if (!a.geometryOutput.empty()) writeGeometry(a.geometryOutput, geometry);
     const nlohmann::ordered_json report = describe(projections, seconds);
     const double most = report["max"];
-    if (most > 20)
-        warning(a.common,
-                "the largest line integral is " + brief(most, 3) +
-                    ": no X-rays would come through; a lower --extinction makes it like a measured one (2 to 6)");
+    if (a.detector.photons > 0 && most > 20)
+        warning(a.common, "the largest line integral is " + brief(most, 3) +
+                              ": no photon comes through; a lower --extinction makes it like a measured one (2 to 6)");
     detail(a.common, std::to_string(projections.views) + " views, largest line integral " + brief(most, 3));
     writeReport(a.common, report);
     return kDone;

@@ -3,11 +3,14 @@
 #include "raysweep/image/image_io.h"
 
 #include <algorithm>
+#include <limits>
+#include <vector>
 
 namespace raysweep::apps {
 namespace {
 
-constexpr int kGap = 4;  ///< pixels between slices
+constexpr int kGap = 4;       ///< pixels between slices
+constexpr int kThinnest = 8;  ///< voxels; what is thinner is not shown from the side
 
 /// A slice across axis `normal`: axis `right` to the right, `up` upwards.
 struct Slice {
@@ -18,16 +21,20 @@ constexpr Slice kSlices[] = {{2, 0, 1}, {1, 0, 2}, {0, 1, 2}};
 }  // namespace
 
 Image middleSlices(const openvdb::FloatGrid& grid, const Index3& dims) {
+    std::vector<Slice> shown;
     int width = -kGap, height = 0;
     for (const Slice& slice : kSlices) {
+        if (!shown.empty() && dims[slice.up] < kThinnest) continue;
+        shown.push_back(slice);
         width += dims[slice.right] + kGap;
         height = std::max(height, dims[slice.up]);
     }
     Image image(width, height, 3);
+    std::fill(image.pixels.begin(), image.pixels.end(), -std::numeric_limits<float>::infinity());
     float least = 0, most = 0;
     auto values = grid.getConstAccessor();
     int left = 0;
-    for (const Slice& slice : kSlices) {
+    for (const Slice& slice : shown) {
         openvdb::Coord voxel;
         voxel[slice.normal] = dims[slice.normal] / 2;
         for (int y = 0; y < dims[slice.up]; ++y)

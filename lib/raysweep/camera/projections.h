@@ -1,6 +1,8 @@
 /// What an X-ray detector measured, view by view.
 #pragma once
 
+#include "raysweep/camera/projection_geometry.h"
+
 #include <cstddef>
 #include <limits>
 #include <vector>
@@ -24,5 +26,8 @@ struct Projections {
     float* view(int n) { return values.data() + n * pixelsPerView(); }
     const float* view(int n) const { return values.data() + n * pixelsPerView(); }
 };
+
+/// @throw InvalidArgument if views, columns or rows differ in number; it says both numbers.
+void requireMatching(const ProjectionGeometry& geometry, const Projections& projections);
 
 }  // namespace raysweep

@@ -18,18 +18,6 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-void requireMatching(const Projections& projections, const ProjectionGeometry& geometry) {
-    const auto text = [](int width, int height, std::size_t views) {
-        return std::to_string(views) + " views of " + std::to_string(width) + "x" + std::to_string(height) + " pixels";
-    };
-    if (projections.width != geometry.width || projections.height != geometry.height ||
-        std::size_t(projections.views) != geometry.views.size() ||
-        projections.values.size() != projections.pixelsPerView() * geometry.views.size())
-        throw InvalidArgument("the projections are " +
-                              text(projections.width, projections.height, std::size_t(projections.views)) +
-                              ", the geometry has " + text(geometry.width, geometry.height, geometry.views.size()));
-}
-
 void requireFinite(const Projections& projections) {
     const std::size_t width = std::size_t(projections.width), perView = projections.pixelsPerView();
     for (std::size_t n = 0; n < projections.values.size(); ++n)
@@ -273,7 +261,7 @@ openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, c
                                                const ProgressCallback& progress) {
     options.validate();
     where.validate();
-    requireMatching(projections, geometry);
+    requireMatching(geometry, projections);
     const Scan scan(geometry);
     requireFinite(projections);
     FilteredViews filtered(geometry);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
-#include "raysweep/camera/projections.h"
 #include "raysweep/reconstruct/projection_io.h"
 
 #include <optional>
@@ -23,8 +22,5 @@ ProjectionGeometry readGeometry(const std::string& path, int width = 0, int heig
 /// Writes JSON with one line for each view; the file appears whole or not at all.
 /// @throw InvalidArgument as ProjectionGeometry::validate. @throw IoError if the file cannot be written.
 void writeGeometry(const std::string& path, const ProjectionGeometry& geometry);
-
-/// @throw InvalidArgument if views, columns or rows differ in number; it says both numbers.
-void requireMatching(const ProjectionGeometry& geometry, const Projections& projections);
 
 }  // namespace raysweep

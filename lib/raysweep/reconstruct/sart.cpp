@@ -97,17 +97,6 @@ class Solver {
     std::vector<ViewRays> rays_;
 };
 
-void requireFitting(const Projections& projections, const ProjectionGeometry& geometry) {
-    if (projections.views == int(geometry.views.size()) && projections.width == geometry.width &&
-        projections.height == geometry.height)
-        return;
-    std::ostringstream message;
-    message << projections.views << " projections of " << projections.width << "x" << projections.height
-            << " pixels, but a geometry of " << geometry.views.size() << " views of " << geometry.width << "x"
-            << geometry.height << ": they must agree";
-    throw InvalidArgument(message.str());
-}
-
 float largest(const Projections& projections) {
     float most = 0;
     for (const float value : projections.values)
@@ -190,7 +179,7 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     options.validate();
     geometry.validate();
     grid.validate();
-    requireFitting(projections, geometry);
+    requireMatching(geometry, projections);
     requireSameLattice(volumes.initial, grid, "initial");
     requireSameLattice(volumes.reference, grid, "reference");
 

@@ -1,0 +1,21 @@
+#include "raysweep/camera/projections.h"
+
+#include "raysweep/core/error.h"
+
+#include <string>
+
+namespace raysweep {
+
+void requireMatching(const ProjectionGeometry& geometry, const Projections& projections) {
+    const auto require = [](std::size_t ofGeometry, int ofImages, const char* what) {
+        if (ofGeometry != std::size_t(ofImages))
+            throw InvalidArgument("the geometry has " + std::to_string(ofGeometry) + " " + what +
+                                  ", but the projections have " + std::to_string(ofImages) +
+                                  "; give the geometry that belongs to them");
+    };
+    require(geometry.views.size(), projections.views, "views");
+    require(std::size_t(geometry.width), projections.width, "detector columns");
+    require(std::size_t(geometry.height), projections.height, "detector rows");
+}
+
+}  // namespace raysweep
