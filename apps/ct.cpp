@@ -41,6 +41,9 @@ const std::map<std::string, RampWindow> kWindows = {{"cosine", RampWindow::cosin
                                                     {"ram-lak", RampWindow::ramLak},
                                                     {"shepp-logan", RampWindow::sheppLogan}};
 
+constexpr int kLongest = 1 << 14;     ///< voxels along an axis
+const std::string kFiltered = "fbp";  ///< --initial: start from filtered backprojection
+
 /// What the user typed; empty text: not given.
 struct CtArguments {
     CommonOptions common;
@@ -107,9 +110,13 @@ void addOptions(CLI::App& app, CtArguments& a) {
         ->type_name("VOL.vdb");
     addMethodOptions(app, a);
     app.option_defaults()->group("Volume");
-    app.add_option("--size", a.size, "Voxels along x, y, z (default: all that the detector sees)")->type_name("X,Y,Z");
-    app.add_option("--spacing", a.spacing, "Edge of a voxel, world units (default: a pixel's, seen at the axis)");
-    app.add_option("--volume-center", a.center, "Middle of the volume, world units (default: 0,0,0 with --size)")
+    app.add_option("--size", a.size,
+                   "Voxels along x, y, z (default: as --initial or --reference, else all that the detector sees)")
+        ->type_name("X,Y,Z");
+    app.add_option("--spacing", a.spacing,
+                   "Edge of a voxel, world units (default: likewise, else a pixel's, seen at the axis)");
+    app.add_option("--volume-center", a.center,
+                   "Middle of the volume, world units (default: likewise, else 0,0,0 with --size)")
         ->type_name("X,Y,Z");
     app.add_option("--tolerance", a.sart.tolerance, "Voxels this close to 0 are left out")->capture_default_str();
     app.add_flag("--half", a.half, "Save as half floats");
@@ -132,7 +139,7 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
         for (const char* name : {"--iterations", "--relaxation", "--decay", "--order", "--subset", "--upper", "--tv",
                                  "--stop-residual", "--support", "--support-threshold", "--initial", "--plot"})
             if (command.count(name) > 0) usageError(name, "is for iterative methods, not for " + a.method);
-    } else if (a.initial != "fbp" && (command.count("--window") > 0 || command.count("--cutoff") > 0)) {
+    } else if (a.initial != kFiltered && (command.count("--window") > 0 || command.count("--cutoff") > 0)) {
         usageError(command.count("--window") > 0 ? "--window" : "--cutoff", "is for fbp and fdk");
     }
     if (command.count("--subset") > 0 && method != Method::osSart) usageError("--subset", "is for os-sart");
@@ -140,7 +147,7 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
         usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
     if (a.spacing && !(*a.spacing > 0 && std::isfinite(*a.spacing))) usageError("--spacing", "must be positive");
-    if (!a.size.empty()) parseWhole(a.size, "--size", 3, 1, 1 << 14, "256,256,110");
+    if (!a.size.empty()) parseWhole(a.size, "--size", 3, 1, kLongest, "256,256,110");
     a.sart.order = kOrders.at(a.order);
     a.sart.support = kSupports.at(a.support);
     a.sart.seed = a.common.seed;
@@ -155,20 +162,53 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
     }
 }
 
-ReconstructionGrid gridFor(const CtArguments& a, const ProjectionGeometry& geometry) {
+/// Volumes that were given; null: not.
+struct GivenVolumes {
+    openvdb::FloatGrid::Ptr initial, reference;
+
+    /// The one that says where things are, if any.
+    const openvdb::FloatGrid* frame() const { return initial ? initial.get() : reference.get(); }
+};
+
+openvdb::FloatGrid::Ptr readVolume(const std::string& path) {
+    if (path.empty()) return nullptr;
+    const openvdb::FloatGrid::Ptr grid = selectDensity(readVdb(path));
+    checkFinite(*grid, path);
+    if (grid->evalActiveVoxelBoundingBox().empty()) throw InvalidArgument("'" + path + "' has no active voxels");
+    return grid;
+}
+
+/// `grid` moved by less than a voxel, to where its voxels are those of `frame`.
+Vec3 snapped(const ReconstructionGrid& grid, const openvdb::FloatGrid& frame) {
+    const Vec3 first = grid.voxel(0, 0, 0);
+    const openvdb::Coord nearest = openvdb::Coord::round(frame.worldToIndex(openvdb::Vec3d(first.x, first.y, first.z)));
+    const openvdb::Vec3d place = frame.indexToWorld(nearest);
+    return grid.center + Vec3(place.x(), place.y(), place.z()) - first;
+}
+
+/// Where to reconstruct: what the user says; else as a volume that was given; else all that the detector sees.
+ReconstructionGrid gridFor(const CtArguments& a, const ProjectionGeometry& geometry, const openvdb::FloatGrid* frame) {
     ReconstructionGrid grid;
-    if (a.size.empty() || !a.spacing) grid = coveringGrid(geometry);
+    if (frame) {
+        const openvdb::Coord dims = frame->evalActiveVoxelBoundingBox().dim();
+        grid = {Index3(dims.x(), dims.y(), dims.z()), middleOf(*frame), frame->voxelSize()[0]};
+    } else if (a.size.empty() || !a.spacing) {
+        grid = coveringGrid(geometry);
+    }
     const Vec3 extent = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;
     if (a.spacing) grid.spacing = *a.spacing;
     if (!a.size.empty()) {
-        const std::vector<int> size = parseWhole(a.size, "--size", 3, 1, 1 << 14, "256,256,110");
+        const std::vector<int> size = parseWhole(a.size, "--size", 3, 1, kLongest, "256,256,110");
         grid.dims = Index3(size[0], size[1], size[2]);
-        grid.center = Vec3(0);
+        if (!frame) grid.center = Vec3(0);
     } else if (a.spacing) {
         for (int axis = 0; axis < 3; ++axis)
-            grid.dims[axis] = std::max(1, int(std::lround(extent[axis] / grid.spacing)));
+            grid.dims[axis] = int(std::clamp(std::round(extent[axis] / grid.spacing), 1.0, double(kLongest)));
     }
-    if (!a.center.empty()) grid.center = parseVec3(a.center, "--volume-center");
+    if (!a.center.empty())
+        grid.center = parseVec3(a.center, "--volume-center");
+    else if (frame)
+        grid.center = snapped(grid, *frame);
     return grid;
 }
 
@@ -190,17 +230,11 @@ openvdb::FloatGrid::Ptr filtered(const CtArguments& a, const CtInput& input, con
     return filteredBackprojection(complete, input.geometry, grid, a.fbp, progress);
 }
 
-openvdb::FloatGrid::Ptr readVolume(const std::string& path) {
-    if (path.empty()) return nullptr;
-    const openvdb::FloatGrid::Ptr grid = selectDensity(readVdb(path));
-    checkFinite(*grid, path);
-    return grid;
-}
-
-Reconstruction reconstruct(CtArguments& a, const CtInput& input, const ReconstructionGrid& grid) {
+Reconstruction reconstruct(CtArguments& a, const CtInput& input, const ReconstructionGrid& grid,
+                           const GivenVolumes& given) {
     const Method method = kMethods.at(a.method);
-    const bool directFirst = a.initial == "fbp";
-    SartVolumes volumes{directFirst ? nullptr : readVolume(a.initial), readVolume(a.reference)};
+    const bool directFirst = a.initial == kFiltered;
+    SartVolumes volumes{given.initial, given.reference};
     const int views = input.projections.views;
     a.sart.viewsPerUpdate = method == Method::sart   ? 1
                             : method == Method::sirt ? 0
@@ -257,12 +291,9 @@ void comment(const CtArguments& a, const CtInput& input, const Reconstruction& r
     if (result.interrupted) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
 }
 
-double rmsOf(const openvdb::FloatGrid& volume, const std::string& reference) {
-    return compareGrids(volume, *readVolume(reference)).rmse;
-}
-
 nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, const ReconstructionGrid& grid,
-                                const Reconstruction& result, double readSeconds, std::size_t peakBytes) {
+                                const Reconstruction& result, const GivenVolumes& given, double readSeconds,
+                                std::size_t peakBytes) {
     const SartResult& iterative = result.iterative;
     nlohmann::ordered_json json = {{"method", a.method},
                                    {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
@@ -273,7 +304,7 @@ nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, cons
                                    {"peak_bytes", peakBytes},
                                    {"input", input.report()}};
     if (isDirect(kMethods.at(a.method))) {
-        if (!a.reference.empty()) json["rms"] = rmsOf(*result.volume, a.reference);
+        if (given.reference) json["rms"] = compareGrids(*result.volume, *given.reference).rmse;
         return json;
     }
     json["updates"] = iterative.updates;
@@ -284,7 +315,7 @@ nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, cons
                                                                                : "iterations";
     json["residual_history"] = nlohmann::ordered_json::array();
     for (const SartPass& pass : iterative.passes) json["residual_history"].push_back(pass.residual);
-    if (!a.reference.empty()) {
+    if (given.reference) {
         json["rms_history"] = nlohmann::ordered_json::array();
         for (const SartPass& pass : iterative.passes) json["rms_history"].push_back(pass.rms);
     }
@@ -309,18 +340,18 @@ int run(CtArguments& a) {
     resetPeak();
     const std::size_t before = residentBytes();
     const Timer timer;
-    CtInput input;
-    {
+    const GivenVolumes given{a.initial == kFiltered ? nullptr : readVolume(a.initial), readVolume(a.reference)};
+    const CtInput input = [&] {
         TerminalProgress progress(a.common);
-        input = readCtInput(a.input, a.common, progress.callback());
-    }
+        return readCtInput(a.input, a.common, given.frame() ? middleOf(*given.frame()) : Vec3(0), progress.callback());
+    }();
     if (!input.complete || TerminalProgress::interrupted()) {
         message(a.common, "stopped; nothing was written");
         return kInterrupted;
     }
     const double readSeconds = timer.seconds();
-    const ReconstructionGrid grid = gridFor(a, input.geometry);
-    const Reconstruction result = reconstruct(a, input, grid);
+    const ReconstructionGrid grid = gridFor(a, input.geometry, given.frame());
+    const Reconstruction result = reconstruct(a, input, grid, given);
     const std::size_t peak = peakResidentBytes();
 
     result.volume->setSaveFloatAsHalf(a.half);
@@ -329,7 +360,7 @@ int run(CtArguments& a) {
     writeVdb(a.output, {result.volume});
     commentOnScale(a, input.geometry, grid, *result.volume);
     comment(a, input, result);
-    writeReport(a.common, describe(a, input, grid, result, readSeconds, peak > before ? peak - before : 0));
+    writeReport(a.common, describe(a, input, grid, result, given, readSeconds, peak > before ? peak - before : 0));
     if (!a.slices.empty()) writeImage(a.slices, middleSlices(*result.volume, grid.dims));
     if (!a.plot.empty()) plotPasses(a.plot, result.iterative.passes);
     return result.interrupted ? kInterrupted : kDone;

@@ -159,7 +159,8 @@ void completeOptions(CtInputArguments& a) {
     checkScanOptions(a.scan);
 }
 
-CtInput readCtInput(const CtInputArguments& a, const CommonOptions& common, const ProgressCallback& progress) {
+CtInput readCtInput(const CtInputArguments& a, const CommonOptions& common, const Vec3& center,
+                    const ProgressCallback& progress) {
     Measured measured = isHdf5(a.files[0]) ? readHdf5(a, progress) : readFiles(a, progress);
     CtInput input;
     input.format = measured.format;
@@ -177,7 +178,7 @@ CtInput readCtInput(const CtInputArguments& a, const CommonOptions& common, cons
         detail(common, "the axis falls onto column " + brief(center.column, 5) + " (opposite views differ by " +
                            brief(100 * center.mismatch) + " %)");
     }
-    input.geometry = scanGeometry(scan, &measured.scan);
+    input.geometry = scanGeometry(scan, &measured.scan, center);
     requireMatching(input.geometry, input.projections);
     return input;
 }

@@ -40,6 +40,8 @@ struct CtInput {
     bool complete = true;  ///< false if the user stopped it
 };
 
-CtInput readCtInput(const CtInputArguments& arguments, const CommonOptions& common, const ProgressCallback& progress);
+/// @param center where the axis is unless the user says so
+CtInput readCtInput(const CtInputArguments& arguments, const CommonOptions& common, const Vec3& center,
+                    const ProgressCallback& progress);
 
 }  // namespace raysweep::apps

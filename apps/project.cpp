@@ -72,9 +72,9 @@ int run(const ProjectArguments& a) {
     const ThreadLimit limit = start(a.common);
     for (const std::string& path : projectionFiles(a.output, 1)) requireWritable(path);
     if (!a.geometryOutput.empty()) requireWritable(a.geometryOutput);
-    const ProjectionGeometry geometry = scanGeometry(a.scan, nullptr);
     const openvdb::FloatGrid::Ptr volume = selectDensity(readVdb(a.input), a.grid);
     checkFinite(*volume, volume->getName());
+    const ProjectionGeometry geometry = scanGeometry(a.scan, nullptr, middleOf(*volume));
 
     TerminalProgress progress(a.common);
     const Timer timer;

@@ -37,8 +37,9 @@ DetectorPair parsePitch(const std::string& text) {
     return {numbers.front(), numbers.back()};
 }
 
-CircularOrbit orbitOf(const ScanArguments& a, const MeasuredScan* measured) {
+CircularOrbit orbitOf(const ScanArguments& a, const MeasuredScan* measured, const Vec3& center) {
     CircularOrbit orbit;
+    orbit.center = center;
     orbit.beam = a.parallel ? BeamShape::parallel : BeamShape::cone;
     if (!a.parallel) {
         const std::vector<double> distances = parseNumbers(a.cone, "--cone", 2, 2, "500,1000");
@@ -97,7 +98,10 @@ void addScanOptions(CLI::App& app, ScanArguments& a) {
     app.add_option("--pitch", a.pitch, "Distance of pixels, world units; of columns and rows if they differ")
         ->type_name("W[,H]");
     app.add_option("--center-row", a.centerRow, "Row that the central ray meets (default: the middle)");
-    app.add_option("--orbit-center", a.center, "Point on the axis that the central ray passes (default: 0,0,0)")
+    app.add_option(
+           "--orbit-center", a.center,
+           "Point on the axis that the central ray passes (default: the middle of the volume; ct: of --initial or "
+           "--reference, else 0,0,0)")
         ->type_name("X,Y,Z");
     app.option_defaults()->group("Options");
 }
@@ -114,17 +118,23 @@ void checkScanOptions(const ScanArguments& a) {
         return;
     }
     try {
-        orbitOf(a, nullptr).validate();
+        orbitOf(a, nullptr, Vec3(0)).validate();
     } catch (const InvalidArgument& e) {
         usageError(a.parallel ? "--parallel" : "--cone", e.what());
     }
 }
 
-ProjectionGeometry scanGeometry(const ScanArguments& a, const MeasuredScan* measured) {
+Vec3 middleOf(const openvdb::FloatGrid& volume) {
+    const auto box = volume.evalActiveVoxelBoundingBox();
+    const openvdb::Vec3d middle = volume.indexToWorld(0.5 * (box.min().asVec3d() + box.max().asVec3d()));
+    return Vec3(middle.x(), middle.y(), middle.z());
+}
+
+ProjectionGeometry scanGeometry(const ScanArguments& a, const MeasuredScan* measured, const Vec3& center) {
     if (a.geometry.empty()) {
         if (!measured && a.views == 0) usageError("--views", "is missing: how many views?");
         if (!measured && a.detector.empty()) usageError("--detector", "is missing: how many columns and rows?");
-        return circularGeometry(orbitOf(a, measured));
+        return circularGeometry(orbitOf(a, measured, center));
     }
     MeasuredScan scan = measured ? *measured : MeasuredScan();
     if (!a.detector.empty()) {

@@ -33,8 +33,12 @@ struct MeasuredScan {
     std::vector<double> angles;                   ///< degrees; empty if not known
 };
 
-/// The geometry that was asked for. `measured` gives what the user left out; null where nothing has been measured yet.
+/// World position of the middle of the box around a volume's active voxels.
+Vec3 middleOf(const openvdb::FloatGrid& volume);
+
+/// The geometry that was asked for; unless told otherwise, the axis passes `center`. `measured` gives what the user
+/// left out; null where nothing has been measured yet.
 /// @throw CLI::ValidationError if something is missing. @throw Error as readGeometry and circularGeometry.
-ProjectionGeometry scanGeometry(const ScanArguments& arguments, const MeasuredScan* measured);
+ProjectionGeometry scanGeometry(const ScanArguments& arguments, const MeasuredScan* measured, const Vec3& center);
 
 }  // namespace raysweep::apps

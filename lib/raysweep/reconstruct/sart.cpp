@@ -104,19 +104,11 @@ float largest(const Projections& projections) {
     return most;
 }
 
-ColumnVolume startingVolume(const Projections& projections, const ProjectionGeometry& geometry,
-                            const ColumnLattice& lattice, const SartOptions& options,
-                            const openvdb::FloatGrid* initial) {
-    ColumnVolume volume =
-        options.support == Support::none
-            ? ColumnVolume(lattice)
-            : ColumnVolume(lattice, visualHull(projections, geometry, lattice,
-                                               float(options.supportThreshold) * largest(projections)));
-    if (initial) {
-        fillColumns(volume, *initial);
-        volume.clampAll(float(options.lower), float(options.upper));
-    }
-    return volume;
+ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometry& geometry,
+                         const ColumnLattice& lattice, const SartOptions& options) {
+    if (options.support == Support::none) return ColumnVolume(lattice);
+    const float threshold = float(options.supportThreshold) * largest(projections);
+    return ColumnVolume(lattice, visualHull(projections, geometry, lattice, threshold));
 }
 
 /// Over all voxels of the lattice, kept or not.
@@ -137,16 +129,21 @@ double rmsDifference(const ColumnVolume& volume, const ColumnVolume& reference) 
     return std::sqrt(sum / (double(dims.x) * dims.y * dims.z));
 }
 
-void requireSameLattice(const openvdb::FloatGrid::ConstPtr& grid, const ReconstructionGrid& wanted, const char* what) {
-    if (!grid) return;
+/// The index of `grid`'s voxel that is where the reconstruction's voxel (0,0,0) is.
+openvdb::Coord shiftTo(const openvdb::FloatGrid& grid, const ReconstructionGrid& wanted, const char* what) {
     const auto transform = wanted.transform();
-    for (const openvdb::Coord& corner : {openvdb::Coord(0, 0, 0), openvdb::Coord(wanted.dims.x, 0, 0),
-                                         openvdb::Coord(0, wanted.dims.y, 0), openvdb::Coord(0, 0, wanted.dims.z)})
-        if (!((grid->transform().indexToWorld(corner) - transform->indexToWorld(corner)).length() <
-              1e-3 * wanted.spacing))
-            throw InvalidArgument(std::string("the ") + what +
-                                  " volume's voxels are not where those of the reconstruction are: give it the same "
-                                  "size, spacing and centre, or resample it");
+    const auto place = [&](const openvdb::Coord& voxel) {
+        return grid.transform().worldToIndex(transform->indexToWorld(voxel));
+    };
+    const openvdb::Coord shift = openvdb::Coord::round(place(openvdb::Coord(0, 0, 0)));
+    const Index3& dims = wanted.dims;
+    for (const openvdb::Coord& corner : {openvdb::Coord(0, 0, 0), openvdb::Coord(dims.x, 0, 0),
+                                         openvdb::Coord(0, dims.y, 0), openvdb::Coord(0, 0, dims.z)})
+        if (!((place(corner) - (corner + shift).asVec3d()).length() < 1e-3))
+            throw InvalidArgument(std::string("the voxels of the ") + what +
+                                  " volume are not where those of the reconstruction are: choose spacing and centre "
+                                  "such that they are, or resample it");
+    return shift;
 }
 
 /// How often total variation is lowered after a pass.
@@ -180,8 +177,6 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     geometry.validate();
     grid.validate();
     requireMatching(geometry, projections);
-    requireSameLattice(volumes.initial, grid, "initial");
-    requireSameLattice(volumes.reference, grid, "reference");
 
     const auto transform = grid.transform();
     const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0),
@@ -189,11 +184,15 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     const ColumnLattice lattice = columnLattice(box, *transform, columnAxisFor(geometry, *transform));
     SartResult result;
     result.viewsSeeing = requireSeen(geometry, lattice);
-    ColumnVolume volume = startingVolume(projections, geometry, lattice, options, volumes.initial.get());
+    ColumnVolume volume = emptyVolume(projections, geometry, lattice, options);
+    if (volumes.initial) {
+        fillColumns(volume, *volumes.initial, shiftTo(*volumes.initial, grid, "initial"));
+        volume.clampAll(float(options.lower), float(options.upper));
+    }
     std::optional<ColumnVolume> reference, before;
     if (volumes.reference) {
         reference.emplace(lattice);
-        fillColumns(*reference, *volumes.reference);
+        fillColumns(*reference, *volumes.reference, shiftTo(*volumes.reference, grid, "reference"));
     }
     if (options.totalVariation > 0) before.emplace(lattice, volume.ranges());
 

@@ -68,7 +68,8 @@ struct SartResult {
     std::size_t raysUsed = 0;    ///< in one pass: measured, and meeting the support
 };
 
-/// What a reconstruction starts from and is compared with; both may be null, and must lie on the grid's lattice.
+/// What a reconstruction starts from and is compared with; both may be null. Their voxels
+/// must be where those of the reconstruction are, whatever their indices.
 struct SartVolumes {
     openvdb::FloatGrid::ConstPtr initial;    ///< starts from 0 without it
     openvdb::FloatGrid::ConstPtr reference;  ///< for SartPass::rms

@@ -108,13 +108,13 @@ float ColumnVolume::value(int x, int y, int z) const {
     return column(t, x, y)[z - ranges_[t].low];
 }
 
-void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid) {
+void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid, const openvdb::Coord& shift) {
     parallelFor(volume.tileCount(), [&](std::size_t t) {
         if (volume.ranges()[t].length() == 0) return;
         openvdb::FloatGrid::ConstUnsafeAccessor values(grid.tree());
         forEachVoxel(volume, t, [&](int x, int y, int z, const openvdb::Coord& index) {
             float value = 0;
-            if (!values.probeValue(index, value)) return;
+            if (!values.probeValue(index + shift, value)) return;
             const_cast<float*>(volume.column(t, x, y))[z - volume.ranges()[t].low] = value;
         });
     });

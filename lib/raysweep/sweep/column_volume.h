@@ -94,8 +94,9 @@ class ColumnVolume {
     std::unique_ptr<float[], Free> data_;
 };
 
-/// Copies the active voxels and tiles of `grid` that lie in the volume.
-void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid);
+/// Copies the active voxels and tiles of `grid` that lie in the volume. The lattice's index i is the grid's i + shift.
+void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid,
+                 const openvdb::Coord& shift = openvdb::Coord(0, 0, 0));
 
 /// A volume that keeps the tiles of columns in which `grid` has active voxels, and their values.
 ColumnVolume columnsOf(const openvdb::FloatGrid& grid, const ColumnLattice& lattice);
