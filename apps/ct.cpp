@@ -121,10 +121,12 @@ void addOptions(CLI::App& app, CtArguments& a) {
     app.add_option("--tolerance", a.sart.tolerance, "Voxels this close to 0 are left out")->capture_default_str();
     app.add_flag("--half", a.half, "Save as half floats");
     app.option_defaults()->group("Pictures and checks");
-    app.add_option("--reference", a.reference,
-                   "What it should be: adds its RMS difference after each pass to the report")
+    app.add_option("--reference", a.reference, "What it should be: adds its RMS difference to report and plot")
         ->type_name("VOL.vdb");
     app.add_option("--plot", a.plot, "Residual and RMS difference against updates, .svg or .png")->type_name("FILE");
+    app.add_option("--history", a.sart.historyEvery,
+                   "Updates from one point of the histories in report and plot to the next; 0: one a pass")
+        ->capture_default_str();
     app.add_option("--slices", a.slices, "Slices through the middle, as a picture")->type_name("FILE.png|.exr");
     app.option_defaults()->group("Options");
     addCommonOptions(app, a.common);
@@ -136,8 +138,9 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
     completeOptions(a.input);
     const Method method = kMethods.at(a.method);
     if (isDirect(method)) {
-        for (const char* name : {"--iterations", "--relaxation", "--decay", "--order", "--subset", "--upper", "--tv",
-                                 "--stop-residual", "--support", "--support-threshold", "--initial", "--plot"})
+        for (const char* name :
+             {"--iterations", "--relaxation", "--decay", "--order", "--subset", "--upper", "--tv", "--stop-residual",
+              "--support", "--support-threshold", "--initial", "--plot", "--history"})
             if (command.count(name) > 0) usageError(name, "is for iterative methods, not for " + a.method);
     } else if (a.initial != kFiltered && (command.count("--window") > 0 || command.count("--cutoff") > 0)) {
         usageError(command.count("--window") > 0 ? "--window" : "--cutoff", "is for fbp and fdk");
@@ -283,8 +286,8 @@ void comment(const CtArguments& a, const CtInput& input, const Reconstruction& r
         warning(a.common, "the volume falls onto the detector in " + std::to_string(result.iterative.viewsSeeing) +
                               " of " + std::to_string(views) + " views only; check --volume-center and the geometry");
     if (input.deadPixels > 0) detail(a.common, std::to_string(input.deadPixels) + " dead pixels were left out");
-    if (!result.iterative.passes.empty()) {
-        const SartPass& last = result.iterative.passes.back();
+    if (!result.iterative.history.empty()) {
+        const SartPoint& last = result.iterative.history.back();
         detail(a.common, std::to_string(last.updates) + " updates; residual " + brief(last.residual, 3) +
                              (std::isnan(last.rms) ? "" : ", RMS difference " + brief(last.rms, 4)));
     }
@@ -313,20 +316,22 @@ nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, cons
     json["termination"] = result.interrupted                                   ? "interrupted"
                           : iterative.termination == SartTermination::residual ? "residual"
                                                                                : "iterations";
+    json["updates_history"] = nlohmann::ordered_json::array();
+    for (const SartPoint& point : iterative.history) json["updates_history"].push_back(point.updates);
     json["residual_history"] = nlohmann::ordered_json::array();
-    for (const SartPass& pass : iterative.passes) json["residual_history"].push_back(pass.residual);
+    for (const SartPoint& point : iterative.history) json["residual_history"].push_back(point.residual);
     if (given.reference) {
         json["rms_history"] = nlohmann::ordered_json::array();
-        for (const SartPass& pass : iterative.passes) json["rms_history"].push_back(pass.rms);
+        for (const SartPoint& point : iterative.history) json["rms_history"].push_back(point.rms);
     }
     return json;
 }
 
-void plotPasses(const std::string& path, const std::vector<SartPass>& passes) {
+void plotHistory(const std::string& path, const std::vector<SartPoint>& history) {
     Curve residual{"residual / RMS of the line integrals", {}}, rms{"RMS difference to the reference", {}};
-    for (const SartPass& pass : passes) {
-        residual.points.emplace_back(pass.updates, pass.residual);
-        if (!std::isnan(pass.rms)) rms.points.emplace_back(pass.updates, pass.rms);
+    for (const SartPoint& point : history) {
+        residual.points.emplace_back(point.updates, point.residual);
+        if (!std::isnan(point.rms)) rms.points.emplace_back(point.updates, point.rms);
     }
     plotCurves(path, {"updates", ""}, {residual, rms});
 }
@@ -362,7 +367,7 @@ int run(CtArguments& a) {
     comment(a, input, result);
     writeReport(a.common, describe(a, input, grid, result, given, readSeconds, peak > before ? peak - before : 0));
     if (!a.slices.empty()) writeImage(a.slices, middleSlices(*result.volume, grid.dims));
-    if (!a.plot.empty()) plotPasses(a.plot, result.iterative.passes);
+    if (!a.plot.empty()) plotHistory(a.plot, result.iterative.history);
     return result.interrupted ? kInterrupted : kDone;
 }
 

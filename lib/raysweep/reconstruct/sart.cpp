@@ -168,6 +168,7 @@ void SartOptions::validate() const {
     require(totalVariation >= 0 && totalVariation < 1, "totalVariation", totalVariation, "in [0,1)");
     require(stopResidual >= 0, "stopResidual", stopResidual, "0 or more");
     require(supportThreshold >= 0 && supportThreshold < 1, "supportThreshold", supportThreshold, "in [0,1)");
+    require(historyEvery >= 0, "historyEvery", historyEvery, "at least 0");
     require(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "0 or more, and finite");
 }
 
@@ -200,32 +201,38 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     Solver solver(projections, geometry, options, volume);
     const int views = int(geometry.views.size());
     const int together = options.viewsPerUpdate == 0 ? views : std::min(options.viewsPerUpdate, views);
-    for (int pass = 0; pass < options.iterations && result.termination == SartTermination::iterations; ++pass) {
+    RaySquares squares;  // since the last point of the history
+    const auto addPoint = [&] {
+        const double residual = squares.measured > 0 ? std::sqrt(squares.missed / squares.measured) : 0;
+        const double rms = reference ? rmsDifference(volume, *reference) : std::nan("");
+        result.history.push_back({result.updates, residual, rms});
+        squares = RaySquares();
+        if (residual < options.stopResidual) result.termination = SartTermination::residual;
+    };
+    for (int pass = 0; pass < options.iterations; ++pass) {
         const std::vector<int> order = viewOrder(geometry, options.order, options.seed, pass);
         const double relaxation = options.relaxation / (1 + options.relaxationDecay * pass);
         if (before) before->copyFrom(volume);
-        RaySquares squares;
-        for (int first = 0; first < views; first += together) {
-            const double done = (pass + double(first) / views) / options.iterations;
-            if (!report(progress, "reconstructing", done)) {
+        for (int first = 0; first < views && result.termination == SartTermination::iterations; first += together) {
+            if (!report(progress, "reconstructing", (pass + double(first) / views) / options.iterations)) {
                 result.termination = SartTermination::interrupted;
                 break;
             }
             const Timer timer;
             const auto from = order.begin() + first;
-            squares += solver.update({from, from + std::min(together, views - first)}, relaxation);
+            const RaySquares update = solver.update({from, from + std::min(together, views - first)}, relaxation);
             result.seconds += timer.seconds();
+            squares += update;
+            if (pass == 0) result.raysUsed += std::size_t(update.count);
             ++result.updates;
+            if (options.historyEvery > 0 && result.updates % options.historyEvery == 0) addPoint();
         }
-        if (result.termination == SartTermination::interrupted) break;
+        if (result.termination != SartTermination::iterations) break;
         if (before)
             lowerTotalVariation(volume, *before, options.totalVariation * changeLength(volume, *before),
                                 kVariationSteps, float(options.lower), float(options.upper));
-        result.raysUsed = std::size_t(squares.count);
-        const double residual = squares.measured > 0 ? std::sqrt(squares.missed / squares.measured) : 0;
-        const double rms = reference ? rmsDifference(volume, *reference) : std::nan("");
-        result.passes.push_back({residual, rms, result.updates});
-        if (residual < options.stopResidual) result.termination = SartTermination::residual;
+        if (options.historyEvery == 0) addPoint();
+        if (result.termination != SartTermination::iterations) break;
     }
     result.volume = gridOf(volume, *transform, float(options.tolerance));
     return result;

@@ -34,9 +34,10 @@ struct SartOptions {
     double upper = std::numeric_limits<double>::infinity();   ///< largest
     double totalVariation = 0;  ///< after each pass total variation is lowered, by steps that together change the
                                 ///< volume by this part of what the pass changed; in [0,1), 0: not at all
-    double stopResidual = 0;    ///< stop when a pass has a relative residual below this; 0: never
+    double stopResidual = 0;    ///< stop when the history has a residual below this; 0: never
     Support support = Support::automatic;
     double supportThreshold = 0.001;  ///< pixels at most this part of the largest line integral see nothing; in [0,1)
+    int historyEvery = 0;             ///< updates from one point of the history to the next; 0: a pass; >= 0
     double tolerance = 0;             ///< voxels this close to 0 are left out of the result, 1/world unit, >= 0
 
     /// @throw InvalidArgument naming field, value and bound.
@@ -49,17 +50,17 @@ enum class SartTermination {
     interrupted  ///< the progress callback said stop; the volume is what there was
 };
 
-/// One pass over all views.
-struct SartPass {
-    double
-        residual;  ///< RMS of what rays fell short of, each when its turn came, relative to the RMS of line integrals
-    double rms;    ///< RMS difference to the reference over all voxels of the grid; NaN without one
-    int updates;   ///< so far
+/// How far it was after a pass, or after `historyEvery` updates.
+struct SartPoint {
+    int updates;      ///< so far
+    double residual;  ///< RMS of what rays fell short of, each when its turn came since the last point, relative to the
+                      ///< RMS of their line integrals
+    double rms;  ///< RMS difference to the reference over all voxels of the grid; NaN without one
 };
 
 struct SartResult {
     openvdb::FloatGrid::Ptr volume;  ///< "density", 1/world unit
-    std::vector<SartPass> passes;    ///< finished ones
+    std::vector<SartPoint> history;
     SartTermination termination = SartTermination::iterations;
     int updates = 0;             ///< corrections made
     double seconds = 0;          ///< spent on updates
@@ -72,7 +73,7 @@ struct SartResult {
 /// must be where those of the reconstruction are, whatever their indices.
 struct SartVolumes {
     openvdb::FloatGrid::ConstPtr initial;    ///< starts from 0 without it
-    openvdb::FloatGrid::ConstPtr reference;  ///< for SartPass::rms
+    openvdb::FloatGrid::ConstPtr reference;  ///< for SartPoint::rms
 };
 
 /// The volume whose line integrals come near to `projections`.
