@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The main job from nothing: makes a cloud, lights it with sun and sky, and renders it with single scattering only and in
-# full. Usage: scripts/demo.sh [FOLDER [SIZE]]: pictures and volumes go to FOLDER (demo/); the cloud is SIZE (200) voxels long.
+# The main jobs from nothing: makes a cloud, lights it with sun and sky, and renders it with single scattering only and in
+# full; X-rays a head, and reconstructs it from that. Usage: scripts/demo.sh [FOLDER [SIZE]]: pictures and volumes go to FOLDER (demo/); the cloud is SIZE (200) voxels long.
 set -euo pipefail
 [ $# -gt 0 ] && out=$(realpath -m "$1") || out=demo
 size=${2:-200}
@@ -19,6 +19,13 @@ $raysweep light "$out/cloud.vdb" -o "$out/full.vdb" "${light[@]}" --plot "$out/c
 $raysweep render "$out/single.vdb" -o "$out/single.png" "${view[@]}"
 $raysweep render "$out/full.vdb" -o "$out/full.png" "${view[@]}"
 
+$raysweep generate shepp-logan -o "$out/head.vdb" --size 128
+$raysweep project "$out/head.vdb" -o "$out/scan.mha" --parallel --views 90 --detector 192,128,0.015625
+$raysweep ct "$out/scan.mha" -o "$out/reconstructed.vdb" --parallel --nonnegative --reference "$out/head.vdb" \
+    --slices "$out/slices.png" --plot "$out/reconstruction.png"
+
 echo "single scattering (sun): $out/single.png"
 echo "full:                    $out/full.png"
 echo "convergence:             $out/convergence.png"
+echo "reconstructed slices:    $out/slices.png"
+echo "their error by updates:  $out/reconstruction.png"
