@@ -1,4 +1,5 @@
 #include "raysweep/core/error.h"
+#include "raysweep/core/module.h"
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
 
@@ -6,9 +7,18 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartOutputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfOutputPart.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -134,6 +144,93 @@ TEST_F(ImageFile, TruncatedFilesAreRefused) {
         fs::resize_file(path(name), fs::file_size(path(name)) / 2);
         EXPECT_THROW(readImage(path(name)), IoError) << name;
     }
+}
+
+// What other programs write: windows that do not begin at 0, layers in any order, tiles.
+TEST_F(ImageFile, ExrOfOtherProgramsIsReadInTheOrderPeopleExpect) {
+    const std::vector<std::string> expected = {"R", "G", "B", "A", "Z", "id", "N.X", "N.Y", "N.Z", "glow.R", "glow.G"};
+    const Imath::Box2i window({3, -2}, {19, 10});
+    constexpr std::size_t kWidth = 17, kPixels = 17 * 13;
+    Imf::Header header(Imath::Box2i({0, 0}, {30, 20}), window);
+    header.setTileDescription(Imf::TileDescription(8, 8, Imf::MIPMAP_LEVELS));
+    std::vector<float> values(kPixels * expected.size());
+    Imf::FrameBuffer frame;
+    for (std::size_t c = 0; c < expected.size(); ++c) {
+        float* const plane = values.data() + c * kPixels;
+        for (std::size_t i = 0; i < kPixels; ++i) plane[i] = float(c) + float(i) / 1000;
+        header.channels().insert(expected[c], Imf::Channel(Imf::FLOAT));
+        frame.insert(expected[c], Imf::Slice::Make(Imf::FLOAT, plane, window, 4, 4 * kWidth));
+    }
+    {
+        Imf::TiledOutputFile file(path("a.exr").c_str(), header);
+        file.setFrameBuffer(frame);
+        for (int level = 0; level < file.numLevels(); ++level)
+            file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
+    }
+    const Image read = readImage(path("a.exr"));
+    ASSERT_EQ(read.width, 17);
+    ASSERT_EQ(read.height, 13);
+    ASSERT_EQ(read.channels, int(expected.size()));
+    for (std::size_t i = 0; i < read.pixels.size(); ++i)
+        ASSERT_EQ(read.pixels[i], values[i % expected.size() * kPixels + i / expected.size()]) << i;
+}
+
+TEST_F(ImageFile, PartsOfAnExrArePages) {
+    const Imath::Box2i window({0, 0}, {4, 2});
+    std::vector<Imf::Header> headers(3, Imf::Header(window, window));
+    std::vector<std::uint32_t> values(3 * 15);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::uint32_t(4000000000u + i);
+    for (std::size_t n = 0; n < 3; ++n) {
+        headers[n].setName("slice" + std::to_string(n));
+        headers[n].setType(Imf::SCANLINEIMAGE);
+        headers[n].channels().insert("Y", Imf::Channel(Imf::UINT));
+    }
+    {
+        Imf::MultiPartOutputFile file(path("a.exr").c_str(), headers.data(), 3);
+        for (int n = 0; n < 3; ++n) {
+            Imf::OutputPart part(file, n);
+            Imf::FrameBuffer frame;
+            frame.insert("Y", Imf::Slice::Make(Imf::UINT, values.data() + 15 * n, window, 4, 20));
+            part.setFrameBuffer(frame);
+            part.writePixels(3);
+        }
+    }
+    const PictureStack stack = readPictureStack({path("a.exr")});
+    ASSERT_EQ(stack.slices, 3);
+    ASSERT_EQ(stack.type, SampleType::uint32);
+    EXPECT_EQ(std::memcmp(stack.samples.get(), values.data(), values.size() * sizeof values[0]), 0);
+}
+
+// Subsampled colour is for the image library, which says that it does not know it: an error that crosses from its
+// module.
+TEST_F(ImageFile, ErrorsOfTheModuleArriveAsOurs) {
+    const Imath::Box2i window({0, 0}, {7, 7});
+    Imf::Header header(window, window);
+    std::vector<float> zero(64);
+    Imf::FrameBuffer frame;
+    header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    header.channels().insert("BY", Imf::Channel(Imf::FLOAT, 2, 2));
+    frame.insert("Y", Imf::Slice::Make(Imf::FLOAT, zero.data(), window, 4, 32));
+    frame.insert("BY", Imf::Slice::Make(Imf::FLOAT, zero.data(), window, 4, 16, 2, 2));
+    {
+        Imf::OutputFile file(path("a.exr").c_str(), header);
+        file.setFrameBuffer(frame);
+        file.writePixels(8);
+    }
+    try {
+        readImage(path("a.exr"));
+        FAIL();
+    } catch (const IoError& e) {
+        EXPECT_NE(std::string(e.what()).find("Subsampled"), std::string::npos) << e.what();
+    }
+}
+
+TEST(Modules, ThatAreMissingAreLookedForInPlacesThatAreNamed) {
+    const ModuleFunction none = moduleFunction("raysweep_nothing", "nothing");
+    EXPECT_EQ(none.address, nullptr);
+    const std::string beside = fs::read_symlink("/proc/self/exe").parent_path().string();
+    EXPECT_NE(none.problem.find("raysweep_nothing.so"), std::string::npos) << none.problem;
+    EXPECT_NE(none.problem.find("'" + beside + "'"), std::string::npos) << none.problem;
 }
 
 TEST(ToneMap, ScalesByStopsClipsAndDropsAlpha) {

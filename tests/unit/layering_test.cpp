@@ -56,6 +56,7 @@ TEST(Layering, FewFilesSeeThreadsPicturesAndFormatsOfOthers) {
             if (line.rfind("#include", 0) != 0) continue;
             const bool threads = line.find("tbb/") != std::string::npos;
             const bool pictures = line.find("OpenImageIO") != std::string::npos;
+            const bool exr = line.find("OpenEXR/") != std::string::npos;
             const bool itk = line.find("<itk") != std::string::npos || line.find("<gdcm") != std::string::npos ||
                              line.find("<dcmtk") != std::string::npos || line.find("<nifti") != std::string::npos;
             EXPECT_TRUE(!itk || std::count(medical.begin(), medical.end(), entry.path().filename().string()) == 1)
@@ -67,7 +68,8 @@ TEST(Layering, FewFilesSeeThreadsPicturesAndFormatsOfOthers) {
             EXPECT_TRUE(!hdf5 || entry.path().filename() == "data_exchange.cpp") << entry.path() << ": " << line;
             EXPECT_TRUE(!xml || entry.path().filename() == "rtk_geometry.cpp") << entry.path() << ": " << line;
             EXPECT_TRUE(!threads || entry.path().filename() == "parallel.h") << entry.path() << ": " << line;
-            EXPECT_TRUE(!pictures || entry.path().filename() == "image_io.cpp") << entry.path() << ": " << line;
+            EXPECT_TRUE(!pictures || entry.path().filename() == "picture_module.cpp") << entry.path() << ": " << line;
+            EXPECT_TRUE(!exr || entry.path().filename() == "exr.cpp") << entry.path() << ": " << line;
         }
     }
 }

@@ -2,9 +2,10 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
+#include "raysweep/core/module.h"
 #include "raysweep/core/output_file.h"
-
-#include <OpenImageIO/imageio.h>
+#include "raysweep/image/exr.h"
+#include "raysweep/image/picture_formats.h"
 
 #include <algorithm>
 #include <cctype>
@@ -65,87 +66,50 @@ std::vector<std::uint8_t> encode(const Image& image) {
     return bytes;
 }
 
-void writePixels(const std::string& path, const std::string& temporary, const Image& image, OIIO::TypeDesc type,
-                 const void* data) {
-    const auto fail = [&](const std::string& why) { throw IoError("cannot write '" + path + "': " + why); };
-    auto output = OIIO::ImageOutput::create(temporary);
-    if (!output) fail(OIIO::geterror());
-    OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
-    if (image.channels == 1) spec.channelnames = {"Y"};
-    // The bytes are sRGB with alpha apart already: nothing for the library to convert.
-    spec.attribute("oiio:ColorSpace", type == OIIO::TypeDesc::FLOAT ? "Linear" : "sRGB");
-    if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:UnassociatedAlpha", 1);
-    if (!output->open(temporary, spec) || !output->write_image(type, data) || !output->close())
-        fail(output->geterror());
+/// The module that knows the formats which are no EXR. @return null if there is none; `problem` then says why
+const PictureFormats* pictureFormats(std::string& problem) {
+    static const ModuleFunction function = moduleFunction("raysweep_pictures", "raysweepPictureFormats");
+    problem = "only EXR pictures can be used: " + function.problem;
+    if (!function.address) return nullptr;
+    const PictureFormats* const formats = reinterpret_cast<const PictureFormats* (*)()>(function.address)();
+    problem = "the module 'raysweep_pictures.so' belongs to another build; build or install it again";
+    return formats->version == kPictureFormatsVersion ? formats : nullptr;
 }
 
-SampleType sampleTypeOf(const OIIO::TypeDesc& format, const std::string& path) {
-    switch (format.basetype) {
-        case OIIO::TypeDesc::INT8:
-            return SampleType::int8;
-        case OIIO::TypeDesc::UINT8:
-            return SampleType::uint8;
-        case OIIO::TypeDesc::INT16:
-            return SampleType::int16;
-        case OIIO::TypeDesc::UINT16:
-            return SampleType::uint16;
-        case OIIO::TypeDesc::INT32:
-            return SampleType::int32;
-        case OIIO::TypeDesc::UINT32:
-            return SampleType::uint32;
-        case OIIO::TypeDesc::HALF:
-        case OIIO::TypeDesc::FLOAT:
-            return SampleType::float32;
-        case OIIO::TypeDesc::DOUBLE:
-            return SampleType::float64;
-        default:
-            throw InvalidArgument("cannot read '" + path + "': samples of the type " + format.c_str() +
-                                  " are not known; convert the picture first");
-    }
-}
-
-OIIO::TypeDesc formatOf(SampleType type) {
-    constexpr OIIO::TypeDesc::BASETYPE kFormats[] = {
-        OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT16, OIIO::TypeDesc::UINT16,
-        OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT32, OIIO::TypeDesc::INT64, OIIO::TypeDesc::UINT64,
-        OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::DOUBLE};
-    return kFormats[int(type)];
-}
-
-std::unique_ptr<OIIO::ImageInput> openPicture(const std::string& path, const OIIO::ImageSpec* how = nullptr) {
-    const auto fail = [&](const std::string& why) { throw IoError("cannot read '" + path + "': " + why); };
+std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = Alpha::multiplied) {
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) fail("there is no such file");
-    if (std::filesystem::is_directory(path, ignored)) fail("it is a folder; give a picture file");
-    if (isVolume(path)) fail("it is an OpenVDB volume; give an EXR, HDR, PNG, JPEG or TIFF picture");
-    auto input = OIIO::ImageInput::open(path, how);
-    if (!input) fail(OIIO::geterror() + "; give an EXR, HDR, PNG, JPEG or TIFF picture");
-    return input;
+    if (!std::filesystem::exists(path, ignored)) failToRead(path, "there is no such file");
+    if (std::filesystem::is_directory(path, ignored)) failToRead(path, "it is a folder; give a picture file");
+    if (isVolume(path)) failToRead(path, std::string("it is an OpenVDB volume") + kGivePicture);
+    if (isExr(path))
+        if (auto file = openExr(path)) return file;
+    std::string problem;
+    const PictureFormats* const formats = pictureFormats(problem);
+    if (!formats) failToRead(path, problem);
+    return formats->open(path, alpha);
 }
 
-int pagesOf(OIIO::ImageInput& input) {
-    int pages = 1;
-    while (input.seek_subimage(pages, 0)) ++pages;
-    static_cast<void>(input.geterror());  // the last seek failed, as it should
-    input.seek_subimage(0, 0);
-    return pages;
+SampleType requireType(const PicturePage& page, const std::string& path) {
+    if (page.type) return *page.type;
+    throw InvalidArgument("cannot read '" + path + "': samples of the type " + page.typeName +
+                          " are not known; convert the picture first");
 }
 
 /// Checks one page of a stack whose first page made `stack`.
-void requireSlice(const OIIO::ImageSpec& spec, const PictureStack& stack, const std::string& path, int page) {
+void requireSlice(const PicturePage& page, const PictureStack& stack, const std::string& path, int number) {
     const auto fail = [&](const std::string& why) {
-        throw InvalidArgument("cannot use '" + path + "'" + (page > 0 ? ", page " + std::to_string(page + 1) : "") +
+        throw InvalidArgument("cannot use '" + path + "'" + (number > 0 ? ", page " + std::to_string(number + 1) : "") +
                               ": " + why);
     };
-    if (spec.depth > 1) fail("it has a depth of its own; a stack is made of flat pictures");
-    if (spec.nchannels != 1)
-        fail("it has " + std::to_string(spec.nchannels) +
+    if (page.depth > 1) fail("it has a depth of its own; a stack is made of flat pictures");
+    if (page.channels != 1)
+        fail("it has " + std::to_string(page.channels) +
              " channels, but a volume needs one number per voxel; convert the pictures to grey first");
     const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
-    if (spec.width != stack.width || spec.height != stack.height)
-        fail("its size is " + size(spec.width, spec.height) + ", but the first picture's is " +
+    if (page.width != stack.width || page.height != stack.height)
+        fail("its size is " + size(page.width, page.height) + ", but the first picture's is " +
              size(stack.width, stack.height) + "; all slices must have one size");
-    const SampleType type = sampleTypeOf(spec.format, path);
+    const SampleType type = requireType(page, path);
     if (type != stack.type)
         fail("its samples are " + nameOf(type) + ", but the first picture's are " + nameOf(stack.type) +
              "; all slices must have one type");
@@ -178,15 +142,13 @@ Image toneMap(const Image& image, double exposure) {
 }
 
 Image readImage(const std::string& path) {
-    OIIO::ImageSpec asStored;
-    asStored.attribute("oiio:UnassociatedAlpha", 1);  // else colours are multiplied by alpha before they are decoded
-    const auto input = openPicture(path, &asStored);
-    const OIIO::ImageSpec& spec = input->spec();
-    Image image(spec.width, spec.height, spec.nchannels);
-    const bool linear = spec.format.is_floating_point();
-    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, image.pixels.data()))
-        throw IoError("cannot read '" + path + "': " + input->geterror());
-    if (!linear) decode(image);
+    // Else colours are multiplied by alpha before they are decoded.
+    const auto file = openPicture(path, Alpha::asStored);
+    const PicturePage page = file->page(0);
+    if (page.depth > 1) failToRead(path, std::string("it has a depth of its own") + kGivePicture);
+    Image image(page.width, page.height, page.channels);
+    file->readFloats(0, image.pixels.data());
+    if (!page.type || !isFloatingPoint(*page.type)) decode(image);
     return image;
 }
 
@@ -194,29 +156,27 @@ PictureStack readPictureStack(const std::vector<std::string>& files, const Progr
     PictureStack stack;
     std::vector<int> pages;
     for (const std::string& file : files) {
-        const auto input = openPicture(file);
-        const OIIO::ImageSpec& spec = input->spec();
+        const auto picture = openPicture(file);
+        const PicturePage first = picture->page(0);
         if (pages.empty()) {
-            stack.width = spec.width;
-            stack.height = spec.height;
-            stack.type = sampleTypeOf(spec.format, file);
+            stack.width = first.width;
+            stack.height = first.height;
+            stack.type = requireType(first, file);
         }
-        requireSlice(spec, stack, file, 0);
-        pages.push_back(pagesOf(*input));
+        requireSlice(first, stack, file, 0);
+        pages.push_back(picture->pages());
         stack.slices += pages.back();
     }
     const std::size_t sliceBytes = std::size_t(stack.width) * stack.height * sizeOf(stack.type);
     stack.samples.reset(new std::byte[sliceBytes * stack.slices]);
     std::byte* to = stack.samples.get();
     for (std::size_t f = 0; f < files.size(); ++f) {
-        const auto input = openPicture(files[f]);
+        const auto picture = openPicture(files[f]);
         for (int page = 0; page < pages[f]; ++page, to += sliceBytes) {
             stack.complete = report(progress, "reading", double(to - stack.samples.get()) / sliceBytes / stack.slices);
             if (!stack.complete) return stack;
-            if (!input->seek_subimage(page, 0)) throw IoError("cannot read '" + files[f] + "': " + input->geterror());
-            requireSlice(input->spec(), stack, files[f], page);
-            if (!input->read_image(page, 0, 0, 1, formatOf(stack.type), to))
-                throw IoError("cannot read '" + files[f] + "': " + input->geterror());
+            requireSlice(picture->page(page), stack, files[f], page);
+            picture->readSamples(page, to);
         }
     }
     return stack;
@@ -232,10 +192,14 @@ void writeImage(const std::string& path, const Image& image) {
         throw InvalidArgument("a PNG holds at most 4 channels, the image has " + std::to_string(image.channels) +
                               "; write an .exr");
     OutputFile file(path);
-    if (format == ImageFormat::Exr)
-        writePixels(path, file.temporary(), image, OIIO::TypeDesc::FLOAT, image.pixels.data());
-    else
-        writePixels(path, file.temporary(), image, OIIO::TypeDesc::UINT8, encode(image).data());
+    if (format == ImageFormat::Exr) {
+        writeExr(path, file.temporary(), image);
+    } else {
+        std::string problem;
+        const PictureFormats* const formats = pictureFormats(problem);
+        if (!formats) failToWrite(path, problem);
+        formats->write(path, file.temporary(), {image.width, image.height, image.channels, encode(image).data()});
+    }
     file.commit();
 }
 

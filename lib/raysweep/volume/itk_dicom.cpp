@@ -3,8 +3,8 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/natural_order.h"
 #include "raysweep/volume/dicom_header.h"
+#include "raysweep/volume/itk_formats.h"
 #include "raysweep/volume/itk_read.h"
-#include "raysweep/volume/itk_volume.h"
 
 #include <itkGDCMImageIO.h>
 
@@ -172,8 +172,8 @@ void place(StoredVolume&& image, const DicomHeader& slice, std::size_t n, std::s
 
 }  // namespace
 
-StoredVolume readDicomSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
-                             const ProgressCallback& progress) {
+StoredVolume itkSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
+                       const ProgressCallback& progress) {
     StoredVolume volume;
     const Series all = seriesOf(files, progress, volume.complete);
     if (!volume.complete) return volume;

@@ -1,9 +1,8 @@
 // ITK's image readers are used without its image classes: a reader fills the buffer that becomes the grid, so nothing
 // is held twice, and none of ITK's templates is compiled.
-#include "raysweep/volume/itk_volume.h"
-
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/itk_formats.h"
 #include "raysweep/volume/itk_read.h"
 #include "raysweep/volume/nifti_check.h"
 
@@ -51,11 +50,7 @@ void requireNoComplaint(const Silence& silence, const std::string& path) {
 
 }  // namespace
 
-bool hasItk() {
-    return true;
-}
-
-StoredVolume readItkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress) {
+StoredVolume itkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) failRead(path, "there is no such file");
     if (std::filesystem::is_directory(path, ignored)) failRead(path, "it is a folder");
@@ -79,8 +74,8 @@ StoredVolume readItkVolume(const std::string& path, ItkFormat format, const Prog
     return volume;
 }
 
-void writeMetaImage(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
-                    const Vec3& spacing) {
+void itkWrite(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
+              const Vec3& spacing) {
     const Silence silence;
     OutputFile file(path);
     const auto io = itk::MetaImageIO::New();

@@ -1,5 +1,5 @@
-/// Volumes in the formats of medicine and science, read by ITK: NRRD, MetaImage, NIfTI, DICOM. Builds without ITK have
-/// these functions too; they throw.
+/// Volumes in the formats of medicine and science, read by ITK: NRRD, MetaImage, NIfTI, DICOM. ITK is loaded at the
+/// first call; where it was not there when the library was built, these functions throw.
 #pragma once
 
 #include "raysweep/core/progress.h"
@@ -10,7 +10,7 @@
 
 namespace raysweep {
 
-/// False if this build lacks ITK.
+/// False if this build lacks ITK. Loads it.
 bool hasItk();
 
 enum class ItkFormat { nrrd, metaImage, nifti };
