@@ -38,7 +38,7 @@ ModuleFunction moduleFunction(const std::string& name, const char* symbol) {
         std::error_code ignored;
         searched += (searched.empty() ? "'" : ", '") + folder.string() + "'";
         if (!fs::exists(path, ignored)) continue;
-        void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+        void* const module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
         void* const address = module ? ::dlsym(module, symbol) : nullptr;
         if (address) return {address, ""};
         const char* const why = ::dlerror();

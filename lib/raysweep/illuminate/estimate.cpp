@@ -9,15 +9,11 @@
 namespace raysweep {
 namespace {
 
-/// F / (4 pi): mean over directions of the power that a voxel takes from rays of radiance 1, per steradian. World area.
-double meanAbsorbingArea(const SolverState& state, double tau, double escapeProbability) {
+/// F / (4 pi) in the paper's exchange: a fixed opacity times the mean cross-section of a ray. World area.
+double paperAbsorbingArea(const SolverState& state, double tau) {
     const double volume = state.volume.layout.voxelVolume, meanLength = state.escape.meanStepLength();
-    if (state.exchange == ExchangeModel::paper) {
-        // A fixed opacity times the mean cross-section of a ray.
-        const double opacity = -std::expm1(-tau * std::cbrt(volume) / meanLength);
-        return opacity * volume / meanLength * state.escape.meanInverseLength();
-    }
-    return tau / meanLength * volume * escapeProbability;
+    const double opacity = -std::expm1(-tau * std::cbrt(volume) / meanLength);
+    return opacity * volume / meanLength * state.escape.meanInverseLength();
 }
 
 }  // namespace
@@ -26,7 +22,7 @@ void absorbingAreas(const SolverState& state, std::size_t b, float* area) {
     const float* const tau = state.tau.brick(b);
     const EscapeFit& fit = state.escape.fit();
     if (state.exchange == ExchangeModel::paper) {
-        for (int i = 0; i < kBrickVoxels; ++i) area[i] = float(meanAbsorbingArea(state, double(tau[i]), 1));
+        for (int i = 0; i < kBrickVoxels; ++i) area[i] = float(paperAbsorbingArea(state, double(tau[i])));
         return;
     }
     // In floats, and nothing called: compilers make wide instructions of it.
@@ -104,9 +100,12 @@ class BrickRadiance {
             for (float& value : perPower_) value = float(face) / value;
             return;
         }
+        const bool paper = state_.exchange == ExchangeModel::paper;
+        const double perDepth = face * state_.escape.meanStepLength() / state_.volume.layout.voxelVolume;
         for (int i = 0; i < kBrickVoxels; ++i) {
             const double tau = double(tau_[i]);
-            perPower_[i] = float(face / meanAbsorbingArea(state_, tau, state_.escape.probability(tau)));
+            perPower_[i] = float(paper ? face / paperAbsorbingArea(state_, tau)
+                                       : perDepth * state_.escape.inverseProbability(tau) / tau);
         }
     }
 
@@ -256,6 +255,7 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
     };
     const BrickField even =
         state.furnace.empty() ? BrickField() : evenedOut(state, metBySurfaces(state, channel, depositOf));
+    const double unit = state.radianceUnit();
     parallelFor(
         bricks,
         [&](std::size_t b) {
@@ -270,7 +270,7 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
                 const double met = radiance.isSurface(i) && !even.empty()
                                        ? double(even.brick(state.surfaces.slots[b])[i])
                                        : depositOf(b, i) * perPower;
-                S = float((radiance.scattered(i, met) + radiance.directly(i, perPower)) * state.radianceUnit());
+                S = float((radiance.scattered(i, met) + radiance.directly(i, perPower)) * unit);
             }
         },
         16);

@@ -1,23 +1,43 @@
 #include "raysweep/sweep/escape.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
 #include "raysweep/sweep/axis.h"
 #include "raysweep/sweep/directions.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 namespace raysweep {
 namespace {
 
 constexpr int kDirections = 16384;
 constexpr int kQuantiles = 256;
-constexpr double kTableLow = -20, kTableHigh = 40;  ///< log2 t
-constexpr int kPerOctave = 32;
+// The table's nodes are the numbers with these first bits: the exponent and six of the mantissa, so 64 for each octave.
+// Below it 1 - t/2 is p, above it <1/l>/t, both within the rounding of a float.
+constexpr int kDroppedBits = 46;
+constexpr double kTableLow = 1.0 / 4096, kTableHigh = 1024;
+constexpr std::uint64_t kFirstNode = (1023 - 12) << 6;  ///< kTableLow
+
+std::uint64_t nodeBelow(double t) {
+    std::uint64_t bits;
+    std::memcpy(&bits, &t, sizeof bits);
+    return bits >> kDroppedBits;
+}
+
+double nodeValue(std::uint64_t node) {
+    const std::uint64_t bits = node << kDroppedBits;
+    double t;
+    std::memcpy(&t, &bits, sizeof t);
+    return t;
+}
 
 double escapeAlong(double t) {
-    return t > 0 ? -std::expm1(-t) / t : 1;
+    constexpr double kOpaque = 40;  // from here on 1 - exp(-t) is 1
+    return t > kOpaque ? 1 / t : t > 0 ? -std::expm1(-t) / t : 1;
 }
 
 /// Solves A x = y for a symmetric positive definite matrix (Cholesky); n is at most 6.
@@ -137,21 +157,24 @@ Escape Escape::scaled(double factor) const {
 }
 
 void Escape::fillTable() {
-    const int count = int(kTableHigh - kTableLow) * kPerOctave + 1;
-    for (int i = 0; i < count; ++i) {
-        nodes_.push_back(std::exp2(kTableLow + double(i) / kPerOctave));
-        table_.push_back(1 / probabilityByQuadrature(nodes_.back()));
-    }
+    table_.resize(std::size_t(nodeBelow(kTableHigh) - kFirstNode + 1));
+    parallelFor(
+        table_.size(),
+        [&](std::size_t i) {
+            table_[i].t = nodeValue(kFirstNode + i);
+            table_[i].inverse = 1 / probabilityByQuadrature(table_[i].t);
+        },
+        64);
+    for (std::size_t i = 0; i + 1 < table_.size(); ++i)
+        table_[i].slope = (table_[i + 1].inverse - table_[i].inverse) / (table_[i + 1].t - table_[i].t);
 }
 
-double Escape::probability(double t) const {
-    const double at = (std::log2(t) - kTableLow) * kPerOctave;
-    if (!(at > 0)) return 1 - 0.5 * t;
-    if (at >= double(table_.size() - 1)) return meanInverse_ / t;
-    const auto i = std::size_t(at);
-    // Between two nodes 1/p is nearly straight in t: interpolated in t rather than in log t.
-    const double f = (t - nodes_[i]) / (nodes_[i + 1] - nodes_[i]);
-    return 1 / ((1 - f) * table_[i] + f * table_[i + 1]);
+double Escape::inverseProbability(double t) const {
+    if (!(t > kTableLow)) return 1 / (1 - 0.5 * t);
+    if (t >= kTableHigh) return t / meanInverse_;
+    // Between two nodes 1/p is nearly straight in t.
+    const Node& node = table_[std::size_t(nodeBelow(t) - kFirstNode)];
+    return node.inverse + node.slope * (t - node.t);
 }
 
 }  // namespace raysweep

@@ -35,7 +35,8 @@ class Escape {
     double meanStepLength() const { return meanStepLength_; }  ///< world units
     double meanInverseLength() const { return meanInverse_; }  ///< <1/l>
     /// Exact p, interpolated in a table to 1e-5.
-    double probability(double t) const;
+    double probability(double t) const { return 1 / inverseProbability(t); }
+    double inverseProbability(double t) const;  ///< 1/p
     /// The same by quadrature, for tests and the table.
     double probabilityByQuadrature(double t) const;
     const EscapeFit& fit() const { return fit_; }
@@ -45,7 +46,10 @@ class Escape {
 
     std::vector<double> lengths_;  ///< quantiles of l, equally likely
     double meanStepLength_ = 0, meanInverse_ = 0;
-    std::vector<double> nodes_, table_;  ///< t, and 1/p there
+    struct Node {
+        double t, inverse, slope = 0;  ///< 1/p there, and from there to the next node
+    };
+    std::vector<Node> table_;
     EscapeFit fit_;
 };
 

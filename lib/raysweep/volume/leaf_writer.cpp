@@ -14,6 +14,7 @@ namespace {
 /// Bytes written to memory.
 class Bytes : public std::streambuf {
   public:
+    void reserve(std::size_t size) { bytes_.reserve(size); }
     const std::string& get() const { return bytes_; }
 
   protected:
@@ -56,6 +57,7 @@ class ParallelGrid : public GridType {
     using Leaf = typename GridType::TreeType::LeafNodeType;
 
     void writePiece(std::ostream& file, const Leaf* const* leaves, std::size_t count, Bytes& bytes) const {
+        bytes.reserve(count * Leaf::NUM_VOXELS * sizeof(typename GridType::ValueType));
         std::ostream out(&bytes);
         out.copyfmt(file);  // how to compress, and the background, hang on the stream
         for (std::size_t i = 0; i < count; ++i) leaves[i]->writeBuffers(out, this->saveFloatAsHalf());
@@ -64,12 +66,12 @@ class ParallelGrid : public GridType {
 
 }  // namespace
 
-openvdb::GridBase::ConstPtr writtenInParallel(const openvdb::GridBase::ConstPtr& grid) {
+openvdb::GridBase::Ptr writtenInParallel(const openvdb::GridBase::ConstPtr& grid) {
     if (const auto scalar = openvdb::gridConstPtrCast<openvdb::FloatGrid>(grid))
         return std::make_shared<ParallelGrid<openvdb::FloatGrid>>(*scalar);
     if (const auto vector = openvdb::gridConstPtrCast<openvdb::Vec3SGrid>(grid))
         return std::make_shared<ParallelGrid<openvdb::Vec3SGrid>>(*vector);
-    return grid;
+    return openvdb::ConstPtrCast<openvdb::GridBase>(grid->copyGrid());
 }
 
 }  // namespace raysweep

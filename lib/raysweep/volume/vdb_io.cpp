@@ -13,6 +13,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
+#include <vector>
 
 namespace raysweep {
 namespace {
@@ -25,14 +28,12 @@ using openvdb::io::GridDescriptor;
 class Archive : public openvdb::io::Archive {
   public:
     void read(std::istream& in, VdbFile& file);
-    void save(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
-        openvdb::GridCPtrVec quick;
-        for (const auto& grid : grids) quick.push_back(writtenInParallel(grid));
-        openvdb::io::Archive::write(out, quick, /*seekable=*/true, metadata);
-    }
+    void save(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const;
 
   private:
     GridBase::Ptr readNext(std::istream& in, GridDescriptor& descriptor, int number, int count) const;
+    /// Adds to the metadata of `grid`.
+    void writeNext(std::ostream& out, GridDescriptor& descriptor, GridBase& grid) const;
 };
 
 void Archive::read(std::istream& in, VdbFile& file) {
@@ -55,6 +56,73 @@ void Archive::read(std::istream& in, VdbFile& file) {
     }
     for (const GridDescriptor& descriptor : descriptors)
         if (descriptor.isInstance()) connectInstance(descriptor, named);
+}
+
+/// Names that no other grid has: those that several have are told apart by numbers that OpenVDB hides from users.
+std::vector<std::string> uniqueNames(const openvdb::GridCPtrVec& grids) {
+    std::map<std::string, int> count;
+    for (const auto& grid : grids) ++count[grid->getName()];
+    std::set<std::string> taken;
+    std::vector<std::string> names;
+    for (const auto& grid : grids) {
+        const std::string own = grid->getName();
+        std::string name = count[own] > 1 ? GridDescriptor::addSuffix(own, 0) : own;
+        for (int n = 1; taken.count(name) > 0; ++n) name = GridDescriptor::addSuffix(own, n);
+        taken.insert(name);
+        names.push_back(name);
+    }
+    return names;
+}
+
+/// As its base class does it, but for one thing: that writes with each grid how long each of its leaves is compressed,
+/// and to know it compresses all of them one more time. It is of use only to who reads some leaves later than others;
+/// newer versions of OpenVDB do not write it.
+void Archive::save(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const {
+    writeHeader(out, /*seekable=*/true);
+    metadata.writeMeta(out);
+    const auto count = std::int32_t(grids.size());
+    out.write(reinterpret_cast<const char*>(&count), sizeof count);
+    const std::vector<std::string> names = uniqueNames(grids);
+    std::map<const openvdb::TreeBase*, GridDescriptor> written;
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+        const GridBase& grid = *grids[i];
+        GridDescriptor descriptor(names[i], grid.type(), grid.saveFloatAsHalf());
+        const auto same = written.find(&grid.constBaseTree());
+        if (same != written.end() && same->second.saveFloatAsHalf() == grid.saveFloatAsHalf()) {
+            descriptor.setInstanceParentName(same->second.uniqueName());
+            writeGridInstance(descriptor, grids[i], out, /*seekable=*/true);
+        } else {
+            writeNext(out, descriptor, *writtenInParallel(grids[i]));
+            written[&grid.constBaseTree()] = descriptor;
+        }
+    }
+}
+
+void Archive::writeNext(std::ostream& out, GridDescriptor& descriptor, GridBase& grid) const {
+    grid.removeMeta(GridBase::META_FILE_DELAYED_LOAD);
+    grid.addStatsMetadata();
+    const std::string compression = openvdb::io::compressionToString(this->compression());
+    grid.insertMeta(GridBase::META_FILE_COMPRESSION, openvdb::StringMetadata(compression));
+
+    auto streamMetadata = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(out, streamMetadata, /*transfer=*/false);
+    streamMetadata->setHalfFloat(grid.saveFloatAsHalf());
+    streamMetadata->gridMetadata() = grid;
+    descriptor.writeHeader(out);
+    const std::streamoff positions = out.tellp();
+    descriptor.writeStreamPos(out);  // not known yet
+    descriptor.setGridPos(out.tellp());
+    setGridCompression(out, grid);
+    grid.writeMeta(out);
+    grid.writeTransform(out);
+    grid.writeTopology(out);
+    descriptor.setBlockPos(out.tellp());
+    grid.writeBuffers(out);
+    descriptor.setEndPos(out.tellp());
+    out.seekp(positions);
+    descriptor.writeStreamPos(out);
+    descriptor.seekToEnd(out);
+    openvdb::io::clearStreamMetadataPtr(out);
 }
 
 GridBase::Ptr Archive::readNext(std::istream& in, GridDescriptor& descriptor, int number, int count) const {
