@@ -109,9 +109,7 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
     if (!density) return bench.SkipWithError("the smoke volume is not there");
     const auto state = makeState(density, 1.0, interpolation, coloured, exchange);
     const ExchangeFields fields = exchangeFields(*state, /*injecting=*/true);
-    DirectionSequence directions({DirectionSet::fibonacci, 96, 1, beamCount}, [](const Vec3& d) {
-        return majorAxis(d) * 8 + (d.x < 0 ? 4 : 0) + (d.y < 0 ? 2 : 0) + (d.z < 0 ? 1 : 0);
-    });
+    DirectionSequence directions({DirectionSet::fibonacci, 96, 1, beamCount}, directionClass);
     const auto sweepOnce = [&] {
         std::vector<Beam> beams;
         do {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -18,19 +19,9 @@ Index3 coarseOrigin(const BrickLayout& fine, const Index3& origin) {
     return (origin - fine.low) / (kFactor * kBrickEdge) * kBrickEdge;
 }
 
-/// Ascending, each once.
-std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
-    std::vector<Index3> origins;
-    origins.reserve(fine.brickCount());
-    for (const Index3& origin : fine.origins) origins.push_back(coarseOrigin(fine, origin));
-    std::sort(origins.begin(), origins.end(), lessOrigin);
-    origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
-    return origins;
-}
-
-BrickLayout coarseLayout(const BrickLayout& fine) {
+BrickLayout coarseLayout(const BrickLayout& fine, std::vector<Index3> origins) {
     BrickLayout coarse;
-    coarse.origins = coarseOrigins(fine);
+    coarse.origins = std::move(origins);
     coarse.low = coarse.high = coarse.origins.front();
     for (const Index3& origin : coarse.origins)
         for (int axis = 0; axis < 3; ++axis) {
@@ -68,8 +59,13 @@ float coarseDepth(const float* tau, const int (&voxels)[kMerged]) {
 
 }  // namespace
 
-std::size_t coarseBrickCount(const BrickLayout& fine) {
-    return coarseOrigins(fine).size();
+std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
+    std::vector<Index3> origins;
+    origins.reserve(fine.brickCount());
+    for (const Index3& origin : fine.origins) origins.push_back(coarseOrigin(fine, origin));
+    std::sort(origins.begin(), origins.end(), lessOrigin);
+    origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+    return origins;
 }
 
 template <class Visit>
@@ -94,8 +90,8 @@ void CoarseLevel::forEachCoarseVoxel(const SolverState& fine, std::size_t b, con
     for (int cell = 0; cell < kBrickVoxels / kMerged; ++cell) visit(voxels[cell], coarse[cell]);
 }
 
-CoarseLevel::CoarseLevel(const SolverState& fine)
-    : state(coarseLayout(fine.volume.layout), {false, false, false}, fine.escape.scaled(kFactor)) {
+CoarseLevel::CoarseLevel(const SolverState& fine, std::vector<Index3> coarse)
+    : state(coarseLayout(fine.volume.layout, std::move(coarse)), {false, false, false}, fine.escape.scaled(kFactor)) {
     state.exchange = fine.exchange;
     state.channels = fine.channels;
     state.powerUnit = fine.powerUnit;

@@ -15,13 +15,14 @@
 
 namespace raysweep {
 
-/// Bricks that a coarse level of `fine` would have.
-std::size_t coarseBrickCount(const BrickLayout& fine);
+/// Low corners of the bricks that a coarse level of `fine` has, in the order of layouts.
+std::vector<Index3> coarseOrigins(const BrickLayout& fine);
 
 class CoarseLevel {
   public:
     /// Averages the medium and adds up the sources of `fine`, which has no surfaces and is not periodic.
-    explicit CoarseLevel(const SolverState& fine);
+    /// @param coarse coarseOrigins of its layout
+    CoarseLevel(const SolverState& fine, std::vector<Index3> coarse);
 
     SolverState state;
 

@@ -21,7 +21,7 @@ double sweepsToReach(const BrickLayout& layout, std::size_t emitters) {
 Illumination illuminate(const Scene& scene, const IlluminateOptions& options, const ProgressCallback& progress) {
     scene.validate();
     options.validate();
-    if (!scene.points.empty() && (options.periodic[0] || options.periodic[1] || options.periodic[2]))
+    if (!scene.points.empty() && isPeriodic(options.periodic))
         throw InvalidArgument("a point light cannot be used in a periodic volume: it would repeat as well");
     Illumination result;
     result.plan = planIllumination(scene, options);

@@ -17,6 +17,9 @@ namespace {
 // A voxel this thick is a wall; more would only overflow.
 constexpr float kThickest = 1e9f;
 
+/// Fields of a coarse level for each wavelength: those of a solution, and three to compare it with.
+constexpr std::size_t kCoarseFields = 8;
+
 BrickField uniformBrick(float value) {
     BrickField field(1);
     std::fill_n(field.brick(0), kBrickVoxels, value);
@@ -49,10 +52,18 @@ std::size_t bytesPerVoxel(const Scene& scene, const IlluminateOptions& options, 
                                    (options.interpolation == Interpolation::linear ? 1 : 0) +
                                    (options.snapshotEvery > 0 ? 1 : 0);
     const std::size_t ofSurfaces = plan.surfaces ? 2 + 2 * std::size_t(plan.channels) : 0;
-    return 4 * (1 + std::size_t(plan.channels) * perChannel + ofSurfaces);
+    // A coarse level has a seventh of the voxels, with all that are coarser still; more where bricks are partly full.
+    const bool coarse = plan.sweeps && !plan.surfaces && mayStartCoarse(options);
+    const std::size_t ofCoarse = coarse ? (1 + std::size_t(plan.channels) * kCoarseFields) / 4 : 0;
+    return 4 * (1 + std::size_t(plan.channels) * perChannel + ofSurfaces + ofCoarse);
 }
 
 }  // namespace
+
+bool mayStartCoarse(const IlluminateOptions& options) {
+    return !options.darkStart && options.remaining == Remaining::shoot && !isPeriodic(options.periodic) &&
+           options.exchange != Exchange::paper;
+}
 
 SolverState prepareState(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
     const Medium& medium = scene.medium;

@@ -61,6 +61,9 @@ struct SolverState {
 /// Fields of extinction and albedo, nothing lit yet. @throw InvalidArgument for voxels without meaning.
 SolverState prepareState(const Scene& scene, const IlluminateOptions& options, const Plan& plan);
 
+/// True if the options allow a solution to begin on a coarse level.
+bool mayStartCoarse(const IlluminateOptions& options);
+
 /// Fields that only sweeps need.
 void allocateSweepFields(SolverState& state, const IlluminateOptions& options);
 

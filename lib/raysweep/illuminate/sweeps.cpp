@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -33,17 +34,14 @@ struct Pace {
 
 constexpr Pace kSettling{0.5, 1};  ///< of a change on a coarse level
 
-bool isPeriodic(const IlluminateOptions& options) {
-    return options.periodic[0] || options.periodic[1] || options.periodic[2];
-}
-
-/// A coarse level averages what is in a voxel: surfaces would be lost. The paper's way is to begin in the dark. And
-/// where bricks are scattered, as many coarse ones would be just as much work.
-bool startsCoarse(const SolverState& state, const IlluminateOptions& options) {
-    return !options.darkStart && options.remaining == Remaining::shoot && !isPeriodic(options) &&
-           state.surfaces.empty() && state.exchange == ExchangeModel::consistent &&
-           state.volume.layout.brickCount() >= kFewestBricks &&
-           coarseBrickCount(state.volume.layout) * kFewestMerged <= state.volume.layout.brickCount();
+/// The bricks of the coarse level to begin with; none if a solution is to begin in the dark. A coarse level averages
+/// what is in a voxel: surfaces would be lost. The paper's way is to begin in the dark. And where bricks are scattered,
+/// as many coarse ones would be just as much work.
+std::vector<Index3> bricksToStartFrom(const SolverState& state, const IlluminateOptions& options) {
+    const BrickLayout& layout = state.volume.layout;
+    if (!mayStartCoarse(options) || !state.surfaces.empty() || layout.brickCount() < kFewestBricks) return {};
+    std::vector<Index3> origins = coarseOrigins(layout);
+    return origins.size() * kFewestMerged <= layout.brickCount() ? std::move(origins) : std::vector<Index3>();
 }
 
 /// Of voxels that are not empty.
@@ -60,13 +58,8 @@ Pace paceOf(const SolverState& state, const IlluminateOptions& options, bool coa
     if (coarse) pace = meanDepth(state) > kThickVoxels ? Pace{0.2, 1} : Pace{0.1, 4};
     if (options.zeta) pace.zeta = *options.zeta;
     if (options.beams > 0) pace.beams = options.beams;
-    if (isPeriodic(options)) pace.beams = 1;
+    if (isPeriodic(options.periodic)) pace.beams = 1;
     return pace;
-}
-
-/// Directions of a class have their major axis and all signs of travel in common.
-int classOf(const Vec3& inIndex) {
-    return majorAxis(inIndex) * 8 + (inIndex.x < 0 ? 4 : 0) + (inIndex.y < 0 ? 2 : 0) + (inIndex.z < 0 ? 1 : 0);
 }
 
 class Solver {
@@ -80,7 +73,7 @@ class Solver {
           directions_(
               {options.directions, options.batch, options.seed, mostBeams_, options.tolerance > 0 ? 0 : options.sweeps},
               [inverse = state.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
-                  return classOf(direction * inverse);
+                  return directionClass(direction * inverse);
               }),
           offsets_(options.seed ^ 0x9e3779b97f4a7c15ull) {}
 
@@ -226,10 +219,12 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
     return sweeps;
 }
 
-/// Solves a coarse level (which may start from one coarser still), and lets `state` begin where that has ended.
-std::unique_ptr<CoarseLevel> startFromCoarse(SolverState& state, Solver& solver, const Scene& scene,
-                                             const IlluminateOptions& options, const ProgressCallback& progress) {
-    auto coarse = std::make_unique<CoarseLevel>(state);
+/// Solves the coarse level of `bricks` (which may start from one coarser still), and lets `state` begin where that has
+/// ended.
+std::unique_ptr<CoarseLevel> startFromCoarse(std::vector<Index3> bricks, SolverState& state, Solver& solver,
+                                             const Scene& scene, const IlluminateOptions& options,
+                                             const ProgressCallback& progress) {
+    auto coarse = std::make_unique<CoarseLevel>(state, std::move(bricks));
     IlluminateOptions onCoarse = options;
     onCoarse.sweeps = kCoarseSweeps;
     onCoarse.tolerance = 0;
@@ -267,10 +262,11 @@ void runSweeps(Illumination& result, SolverState& state, const Scene& scene, con
                const ProgressCallback& progress) {
     Timer timer;
     allocateSweepFields(state, options);
-    const bool fromCoarse = startsCoarse(state, options);
+    std::vector<Index3> coarseBricks = bricksToStartFrom(state, options);
+    const bool fromCoarse = !coarseBricks.empty();
     Solver solver(scene, options, state, paceOf(state, options, fromCoarse));
     std::unique_ptr<CoarseLevel> coarse;
-    if (fromCoarse) coarse = startFromCoarse(state, solver, scene, options, progress);
+    if (fromCoarse) coarse = startFromCoarse(std::move(coarseBricks), state, solver, scene, options, progress);
     result.seconds.coarse = timer.seconds();
     result.termination = iterate(solver, state, scene, options, progress, result.history);
     result.seconds.sweeps = timer.seconds() - result.seconds.coarse;

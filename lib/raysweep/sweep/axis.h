@@ -33,4 +33,11 @@ inline int majorAxis(const Vec3& direction) {
     return x >= y && x >= z ? 0 : (y >= z ? 1 : 2);
 }
 
+/// Directions of one class (in index space) have their major axis and all signs of travel in common: their beams meet
+/// bricks in one order, so that they can go together.
+constexpr int kDirectionClasses = 24;
+inline int directionClass(const Vec3& direction) {
+    return majorAxis(direction) * 8 + (direction.x < 0 ? 4 : 0) + (direction.y < 0 ? 2 : 0) + (direction.z < 0 ? 1 : 0);
+}
+
 }  // namespace raysweep

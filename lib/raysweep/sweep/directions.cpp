@@ -1,5 +1,7 @@
 #include "raysweep/sweep/directions.h"
 
+#include "raysweep/sweep/axis.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -62,7 +64,7 @@ void DirectionSequence::refill() {
     for (std::size_t i = shuffled.size() - 1; i > 0; --i)
         std::swap(shuffled[i], shuffled[std::size_t(uniform01(random_) * double(i + 1))]);
     // A group comes when it is full, so groups are in as random an order as their members.
-    std::vector<Vec3> open[kClasses];
+    std::vector<Vec3> open[kDirectionClasses];
     for (const Vec3& point : shuffled) {
         const Vec3 direction = point * rotation;
         std::vector<Vec3>& group = open[options_.groupSize > 1 ? classOf_(direction) : 0];

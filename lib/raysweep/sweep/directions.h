@@ -45,13 +45,11 @@ class DirectionSequence {
         int total = 0;      ///< directions that will be asked for, for a batch to end there; 0: not known
     };
 
-    /// @param classOf number of the class of a direction, in [0, kClasses); a group is of one class
+    /// @param classOf number of the class of a direction, in [0, kDirectionClasses); a group is of one class
     explicit DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf = {});
     Vec3 next() { return nextGroup(1).front(); }
     /// Directions of one class: up to `groupSize` and up to `most`. Those left over come next.
     std::vector<Vec3> nextGroup(int most);
-
-    static constexpr int kClasses = 24;
 
   private:
     Vec3 nextOfRecurrence();

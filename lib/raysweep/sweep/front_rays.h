@@ -19,6 +19,7 @@ struct RaySums {
 /// last one that does. In a periodic volume they are all there. With the local furnace there are two more planes.
 class FrontRays {
   public:
+    FrontRays() = default;  ///< no rays
     /// @param margin rays next to the lattice that kernels touch too; they stay dark
     FrontRays(const Beam& beam, const TileIndex& index, int margin, int channels, bool furnace);
 
@@ -46,8 +47,8 @@ class FrontRays {
     void arrive(const RayFront& front, CrossingRays& arriving);
     void goOn(const RayFront& front, CrossingRays& leaving);
 
-    int channels_;
-    bool furnace_;
+    int channels_ = 0;
+    bool furnace_ = false;
     RayRange rows_, columns_;
     std::vector<int> columnShifts_, rowShifts_;
     std::vector<RayRange> spans_;  ///< of each row

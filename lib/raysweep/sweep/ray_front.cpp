@@ -38,6 +38,7 @@ RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int rea
     front.direction = direction.normalized();
     const Vec3 inIndex = front.direction * layout.worldFromIndex.inverse();
     front.axis = sweepAxis(majorAxis(inIndex));
+    front.directionClass = directionClass(inIndex);
     const int major = front.axis.major;
     const double perSlice = std::abs(inIndex[major]);
     front.ascending = inIndex[major] > 0;

@@ -34,6 +34,7 @@ struct Lateral {
 
 struct RayFront {
     SweepAxis axis;
+    int directionClass = 0;   ///< see axis.h
     bool ascending = true;    ///< slices in ascending order of the major coordinate
     int firstSlice = 0;       ///< major coordinate of the first slice met
     int slices = 0;           ///< number of slices of the volume

@@ -29,13 +29,11 @@ std::vector<RaySums> sweepThrough(const SweepVolume& volume, const std::vector<B
     const bool linear = interpolation == Interpolation::linear;
     const RayFront& front = beams.front().front;
     const TileIndex& index = volume.indexFor(front.axis.major, interpolation);
-    std::vector<std::optional<FrontRays>> made(beams.size());
+    std::vector<FrontRays> rays(beams.size());
     parallelFor(beams.size(), [&](std::size_t i) {
-        made[i].emplace(beams[i], index, linear ? kBrickEdge : 0, fields.channels, fields.furnace.data != nullptr);
-        made[i]->enter(beams[i], crossing.arriving);
+        rays[i] = FrontRays(beams[i], index, linear ? kBrickEdge : 0, fields.channels, fields.furnace.data != nullptr);
+        rays[i].enter(beams[i], crossing.arriving);
     });
-    std::vector<FrontRays> rays;
-    for (std::optional<FrontRays>& one : made) rays.push_back(std::move(*one));
 
     const Wavefront wavefront(volume, front, index, linear);
     const SweptBeams swept{beams, rays};
@@ -90,14 +88,6 @@ RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpol
     return totals;
 }
 
-bool goTogether(const RayFront& a, const RayFront& b) {
-    const auto sameWay = [](const Lateral& first, const Lateral& second) {
-        return (first.slope >= 0) == (second.slope >= 0);
-    };
-    return a.axis.major == b.axis.major && a.ascending == b.ascending && sameWay(a.column, b.column) &&
-           sameWay(a.row, b.row);
-}
-
 }  // namespace
 
 SweepVolume::SweepVolume(BrickLayout bricks, Periodic repeats)
@@ -116,10 +106,9 @@ std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& b
                            const ExchangeFields& fields, const ExchangeStep& step) {
     const RayFront& first = beams.at(0).front;
     for (const Beam& beam : beams)
-        if (!goTogether(first, beam.front))
+        if (beam.front.directionClass != first.directionClass)
             throw InvalidArgument("the beams of a sweep must go the same way along every axis");
-    if (beams.size() > kMostBeams ||
-        (beams.size() > 1 && (volume.periodic[0] || volume.periodic[1] || volume.periodic[2])))
+    if (beams.size() > kMostBeams || (beams.size() > 1 && isPeriodic(volume.periodic)))
         throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) +
                               " beams, and one in a periodic volume");
     if (first.periodic) return {sweepAround(volume, beams[0], interpolation, fields, step)};

@@ -26,6 +26,8 @@ TileIndex::TileIndex(const std::vector<Index3>& origins, const std::vector<Index
         rows_.back().end = entries_.size();
         if (layers_.empty() || layers_.back().layer != layer) layers_.push_back({layer, rows_.size() - 1, 0});
         layers_.back().end = rows_.size();
+        ++countByLayer_[layer];
+        ++countByRow_[row];
     }
 }
 

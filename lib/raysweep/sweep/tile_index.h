@@ -5,7 +5,9 @@
 #include "raysweep/volume/brick_map.h"
 #include "raysweep/volume/bricks.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -36,6 +38,9 @@ class TileIndex {
     };
     /// Ascending.
     const std::vector<Layer>& layers() const { return layers_; }
+    /// Bricks and margins by the coordinate where their layer begins, and their row (of any layer).
+    const std::map<int, std::size_t>& countByLayer() const { return countByLayer_; }
+    const std::map<int, std::size_t>& countByRow() const { return countByRow_; }
     /// Layers [first, end) that begin in [low, high).
     std::pair<std::size_t, std::size_t> findLayers(int low, int high) const;
     /// Rows [first, end) of a layer that begin in [low, high).
@@ -45,6 +50,7 @@ class TileIndex {
     std::vector<Entry> entries_;
     std::vector<Row> rows_;
     std::vector<Layer> layers_;
+    std::map<int, std::size_t> countByLayer_, countByRow_;
 };
 
 /// Origins of the empty bricks that have a brick next to them on the upper side of the axis' row, column or both: rays

@@ -73,13 +73,8 @@ Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const Til
       withNeighbours_(withNeighbours),
       rowsUp_(front.row.slope >= 0),
       columnsUp_(front.column.slope >= 0) {
-    std::map<int, std::size_t> layers, rows;  // bricks in each
-    for (const TileIndex::Row& row : index.rows()) {
-        layers[row.layer] += row.end - row.first;
-        rows[row.row] += row.end - row.first;
-    }
-    slabs_ = cut(layers);
-    strips_ = cut(front.row.periodic ? withImages(front, rows) : rows);
+    slabs_ = cut(index.countByLayer());
+    strips_ = cut(front.row.periodic ? withImages(front, index.countByRow()) : index.countByRow());
 }
 
 std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {

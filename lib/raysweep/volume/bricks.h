@@ -19,6 +19,11 @@ constexpr int kBrickVoxels = 512;  ///< voxels in a brick; offset (x<<6)|(y<<3)|
 /// Axes (x, y, z) of index space along which the bricks' bounding box repeats.
 using Periodic = std::array<bool, 3>;
 
+/// Along any axis.
+inline bool isPeriodic(const Periodic& periodic) {
+    return periodic[0] || periodic[1] || periodic[2];
+}
+
 /// The order of a layout's bricks.
 inline bool lessOrigin(const Index3& a, const Index3& b) {
     return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);
