@@ -1,4 +1,4 @@
-/// Pictures that are no EXR. OpenImageIO, which reads them, brings some 240 shared libraries along: loading them takes
+/// Pictures that are no EXR. OpenImageIO, which reads them, brings some 220 shared libraries along: loading them takes
 /// longer than most commands. So it is in a module of its own, which is loaded when it is needed.
 #pragma once
 
