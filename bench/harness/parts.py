@@ -50,17 +50,30 @@ SWEEPS = ("dense_nearest", "dense_linear", "dense_surfaces", "dense_colour", "sm
           "smoke_in_large_box")
 
 
-def sweep(context):
-    """Time of a sweep: the counters of bench/runtime by name, for each of several runs of all of it."""
+CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone")
+
+
+def counters(context, names, repetitions):
+    """The counters of benchmarks of bench/runtime by name, for each of several runs of all of them."""
     runs = []
-    for _ in range(1 if context.quick else 7):
-        pattern = f"/({'|'.join(SWEEPS)})(/|$)"
+    for _ in range(1 if context.quick else repetitions):
+        pattern = f"/({'|'.join(names)})(/|$)"
         text = context.run("raysweep_bench", f"--benchmark_filter={pattern}", "--benchmark_format=json",
                            stderr=subprocess.DEVNULL)
         benchmarks = [b for b in json.loads(text)["benchmarks"] if not b.get("error_occurred")]
         runs.append({b["name"].split("/")[1]: {key: b[key] for key in ("ms", "ns_voxel", "x_stream", "GB_s_triad")}
                      for b in benchmarks})
     return runs
+
+
+def sweep(context):
+    """Time of a sweep."""
+    return counters(context, SWEEPS, 7)
+
+
+def ct(context):
+    """Time of a SART update."""
+    return counters(context, CT, 5)
 
 
 def convergence(context):
@@ -115,4 +128,5 @@ def cycles_part(context):
     return cycles.compare(context, THREADS)
 
 
-PARTS = {"sweep": sweep, "convergence": convergence, "cycles": cycles_part, "large": large, "light": light}
+PARTS = {"sweep": sweep, "convergence": convergence, "cycles": cycles_part, "large": large, "light": light,
+         "ct": ct}

@@ -108,6 +108,20 @@ def outside_share(run):
     return sum(run[key] for key in ("read", "prepare", "output", "write")) / run["seconds"]
 
 
+def ct_rows(runs):
+    update = "SART update, 256×256×110 voxels, a view of 384×256 rays"
+    return [
+        Row(f"{update}, parallel, ms", "≤ 15", "≤ 8", counters(runs, "ct_parallel", "ms"), 15, form="{:.1f}"),
+        Row("the same ÷ streaming the volume three times at the triad bandwidth", "≤ 2", "",
+            counters(runs, "ct_parallel", "x_stream"), 2),
+        Row("the same, cone, ms", "≤ 50", "≤ 20", counters(runs, "ct_cone", "ms"), 50, form="{:.1f}"),
+        Row("half of the volume empty: times as fast, parallel", "≥ 1.6×", "", ratios(runs, "ms", "ct_parallel", "ct_half"),
+            1.6, at_least=True, form="{:.2f}×"),
+        Row("the same, cone", "≥ 1.6×", "", ratios(runs, "ms", "ct_cone", "ct_half_cone"), 1.6, at_least=True,
+            form="{:.2f}×"),
+    ]
+
+
 def rows(results):
     runs = results.get("sweep", [])
     return [
@@ -119,6 +133,7 @@ def rows(results):
         large_row(results.get("large", [])),
         Row("`light` on smoke.vdb: time outside solving", "< 15 %", "",
             [100 * outside_share(run) for run in results.get("light", [])], 15, form="{:.1f} %"),
+        *ct_rows(results.get("ct", [])),
     ]
 
 
@@ -162,7 +177,7 @@ def light_details(runs):
 
 def details(results):
     """Name and values of everything that stands behind the rows."""
-    return [*sweep_details(results.get("sweep", [])), *convergence_details(results.get("convergence", {})),
+    return [*sweep_details(results.get("sweep", [])), *sweep_details(results.get("ct", [])), *convergence_details(results.get("convergence", {})),
             *cycles_details(results.get("cycles", {})), *large_details(results.get("large", [])),
             *light_details(results.get("light", []))]
 
