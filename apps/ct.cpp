@@ -264,7 +264,7 @@ Reconstruction reconstruct(CtArguments& a, const CtInput& input, const Reconstru
 void commentOnScale(const CtArguments& a, const ProjectionGeometry& geometry, const ReconstructionGrid& grid,
                     const openvdb::FloatGrid& volume) {
     constexpr double kApart = 4;   // between spacings, as a factor
-    constexpr double kOpaque = 2;  // optical depth of a voxel: no scan has one that stops 86 % of the rays
+    constexpr double kOpaque = 4;  // optical depth of a voxel: no scan has one that stops 98 % of the rays
     const double natural = coveringGrid(geometry).spacing;
     if (grid.spacing > kApart * natural || grid.spacing < natural / kApart)
         warning(a.common,

@@ -25,7 +25,7 @@ const HeadEllipsoid kHead[] = {
 };
 
 /// Part of the extent that the box takes up.
-constexpr double kBoxPart = 0.6;
+constexpr double kBoxPart = 0.625;
 
 /// The two coordinates, of the box's half edges, that a drilled hole runs through; the one along it is not used.
 struct Drilled {

@@ -18,7 +18,7 @@ enum class HeadContrast {
 /// three dimensions; contrast: Toft, The Radon Transform (thesis, 1996), appendix B.
 std::vector<SolidShape> sheppLogan(double halfSize = 1, HeadContrast contrast = HeadContrast::modified);
 
-/// A box of density 1 that takes up 3/5 of [-halfSize, halfSize] along each axis, with cylinders drilled through it
+/// A box of density 1 that takes up 5/8 of [-halfSize, halfSize] along each axis, with cylinders drilled through it
 /// along x, y and z and with spherical holes, one of them half filled. Nothing overlaps, so densities are 0, 1/2 and 1.
 /// Radii go by the box's smallest half edge, 1/20 to 3/10 of it; where holes are, by all three.
 std::vector<SolidShape> boxWithHoles(const Vec3& halfSize = Vec3(1));
