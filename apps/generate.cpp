@@ -1,8 +1,9 @@
 /// raysweep generate: volumes made from nothing.
-#include "cli.h"
+#include "scan_options.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/reconstruct/exact_projections.h"
 #include "raysweep/volume/ct_phantoms.h"
 #include "raysweep/volume/engine_room.h"
 #include "raysweep/volume/grid_select.h"
@@ -24,7 +25,8 @@ struct GenerateOptions {
     CommonOptions common;
     PhantomOptions phantom;
     EngineRoomOptions room;
-    std::string kind, output, dims, volume, volumeGrid, slices;
+    ScanArguments scan;
+    std::string kind, output, dims, volume, volumeGrid, slices, projections;
     bool half = false;
 };
 
@@ -97,10 +99,22 @@ void runRoom(GenerateOptions options) {
                                  {"light_power", room.lightPower}});
 }
 
+/// Phantoms whose line integrals are known exactly.
+bool hasShapes(const std::string& kind) {
+    return kind == "shepp-logan" || kind == "box-with-holes";
+}
+
+void writeExactProjections(const GenerateOptions& options) {
+    const ProjectionGeometry geometry = scanGeometry(options.scan, nullptr, Vec3(0));
+    const auto shapes = options.kind == "shepp-logan" ? sheppLogan(options.phantom) : boxWithHoles(options.phantom);
+    writeProjections(options.projections, exactProjections(shapes, geometry), pitchOf(geometry));
+}
+
 void runPhantom(const GenerateOptions& options) {
     const Timer timer;
     const openvdb::FloatGrid::Ptr grid = kMakers.at(options.kind)(options.phantom);
     writeGrids(options, {grid});
+    if (!options.projections.empty()) writeExactProjections(options);
     writeReport(options.common, {{"voxels_active", grid->activeVoxelCount()}, {"seconds", timer.seconds()}});
 }
 
@@ -115,6 +129,10 @@ void requireFitting(const CLI::App& command, const std::string& kind) {
         refuse({"--volume", "--volume-grid", "--crop-slices", "--wall", "--open-front", "--coloured"}, kRoom);
     if (kind == kRoom) refuse({"--density", "--soft"}, "clouds, spheres, boxes and phantoms");
     if (kind != "sphere") refuse({"--soft"}, "the sphere");
+    if (!hasShapes(kind)) refuse({"--projections"}, "shepp-logan and box-with-holes");
+    if (command.count("--projections") == 0)
+        for (const char* name : {"--geometry", "--parallel", "--cone", "--views", "--arc", "--detector", "--pitch"})
+            if (command.count(name) > 0) usageError(name, "needs --projections as well");
     if (kind == kRoom && command.count("--volume") > 0) refuse({"--voxel-size"}, "volumes made from nothing");
     if (kind == kRoom && command.count("--volume") == 0) refuse({"--volume-grid", "--crop-slices"}, "--volume");
 }
@@ -126,6 +144,10 @@ void completeOptions(GenerateOptions& options, const CLI::App& command) {
     if (!options.dims.empty()) options.phantom.dims = parseDims(options.dims);
     if (options.kind == "sphere" && options.phantom.soft > 0.5 * options.phantom.size)
         usageError("--soft", "must be at most half of --size");
+    if (!options.projections.empty()) {
+        requireProjectionOutput(options.projections, "--projections");
+        checkScanOptions(options.scan);
+    }
     options.phantom.seed = options.common.seed;
     options.room.voxelSize = options.phantom.voxelSize;
     if (command.count("--size") > 0) options.room.size = options.phantom.size;
@@ -143,6 +165,7 @@ void completeOptions(GenerateOptions& options, const CLI::App& command) {
 
 void runGenerate(const GenerateOptions& options) {
     requireWritable(options.output);
+    if (!options.projections.empty()) requireWritable(projectionFiles(options.projections, 1).front());
     const ThreadLimit limit = start(options.common);
     if (options.kind == kRoom)
         runRoom(options);
@@ -197,6 +220,11 @@ void addGenerate(CLI::App& app, int&) {
         ->capture_default_str();
     command->add_option("--dims", options->dims, "Boxes: voxels along each axis instead of --size")->type_name("X,Y,Z");
     command->add_flag("--half", options->half, "Save as half floats");
+    command
+        ->add_option("--projections", options->projections,
+                     "shepp-logan, box-with-holes: also write exact line integrals, .mha or .exr pictures with numbers")
+        ->type_name("PROJ.mha|.exr");
+    addScanOptions(*command, options->scan);
     addRoomOptions(*command, *options);
     addCommonOptions(*command, options->common);
     command->callback([options, command] {

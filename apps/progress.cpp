@@ -80,8 +80,12 @@ ProgressCallback TerminalProgress::callback() {
 
 void TerminalProgress::draw(const std::string& stage, double fraction) {
     const double now = timer_.seconds();
-    if (stage != stage_) {
-        stage_ = stage;
+    // "stage: detail": the detail changes all the time.
+    const std::size_t colon = stage.find(": ");
+    const std::string name = stage.substr(0, colon);
+    const std::string aside = colon == std::string::npos ? "" : "  " + stage.substr(colon + 2);
+    if (name != stage_) {
+        stage_ = name;
         stageStart_ = now;
     } else if (now - lastDrawn_ < 0.1) {
         return;
@@ -92,8 +96,8 @@ void TerminalProgress::draw(const std::string& stage, double fraction) {
     const int full = int(fraction * kWidth + 0.5);
     const std::string bar = std::string(std::size_t(full), '#') + std::string(std::size_t(kWidth - full), '.');
     clearLine();
-    std::fprintf(stderr, "%-12s [%s] %3d%%  %s", stage.c_str(), bar.c_str(), int(fraction * 100),
-                 timeLeft(now - stageStart_, fraction).c_str());
+    std::fprintf(stderr, "%-12s [%s] %3d%%  %s%s", name.c_str(), bar.c_str(), int(fraction * 100),
+                 timeLeft(now - stageStart_, fraction).c_str(), aside.c_str());
     std::fflush(stderr);
 }
 

@@ -2,7 +2,6 @@
 #include "scan_options.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/file_name.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/reconstruct/detector.h"
 #include "raysweep/reconstruct/geometry_io.h"
@@ -29,11 +28,8 @@ struct ProjectArguments {
 };
 
 void completeOptions(ProjectArguments& a) {
-    requireFileOutput(a.output);
     if (!a.geometryOutput.empty()) requireFileOutput(a.geometryOutput, "--write-geometry");
-    const std::string extension = lowerExtension(a.output);
-    if (extension != ".mha" && extension != ".exr")
-        usageError("--output", "'" + a.output + "' must end in .mha (one file) or .exr (one for each view)");
+    requireProjectionOutput(a.output, "--output");
     requireFactor(a.extinction, "--extinction");
     checkScanOptions(a.scan);
     a.detector.seed = a.common.seed;
@@ -42,11 +38,6 @@ void completeOptions(ProjectArguments& a) {
     } catch (const InvalidArgument& e) {
         usageError("project", e.what());
     }
-}
-
-/// From pixel to pixel at the detector, if it is the same in all views.
-DetectorPair pitchOf(const ProjectionGeometry& geometry) {
-    return {geometry.views.front().column.length(), geometry.views.front().row.length()};
 }
 
 nlohmann::ordered_json describe(const Projections& projections, double seconds) {

@@ -1,6 +1,7 @@
 #include "scan_options.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 #include "raysweep/reconstruct/geometry_io.h"
 
 #include <cmath>
@@ -77,6 +78,17 @@ CircularOrbit orbitOf(const ScanArguments& a, const MeasuredScan* measured, cons
 }
 
 }  // namespace
+
+DetectorPair pitchOf(const ProjectionGeometry& geometry) {
+    return {geometry.views.front().column.length(), geometry.views.front().row.length()};
+}
+
+void requireProjectionOutput(const std::string& path, const std::string& option) {
+    requireFileOutput(path, option);
+    const std::string extension = lowerExtension(path);
+    if (extension != ".mha" && extension != ".exr")
+        usageError(option, "'" + path + "' must end in .mha (one file) or .exr (one for each view)");
+}
 
 void addScanOptions(CLI::App& app, ScanArguments& a) {
     app.option_defaults()->group("Geometry");

@@ -33,6 +33,12 @@ struct MeasuredScan {
     std::vector<double> angles;                   ///< degrees; empty if not known
 };
 
+/// Projections are written as `.mha` or numbered `.exr`. @throw CLI::ValidationError
+void requireProjectionOutput(const std::string& path, const std::string& option);
+
+/// From pixel to pixel, along columns and rows of the first view's detector.
+DetectorPair pitchOf(const ProjectionGeometry& geometry);
+
 /// World position of the middle of the box around a volume's active voxels.
 Vec3 middleOf(const openvdb::FloatGrid& volume);
 

@@ -2,20 +2,39 @@
 ///
 /// One call lights a volume: illuminate(scene, options). To see how it works, read in this order: sweep/ray_front.h (a
 /// front of rays), sweep/exchange.h (what rays and voxels exchange), sweep/wavefront.h (in which order),
-/// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins). Quantities and units:
-/// docs/units.md.
+/// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins).
+///
+/// One call reconstructs a volume from X-rays: sart(projections, geometry, grid, options). In this order:
+/// camera/projection_geometry.h (where rays run), sweep/footprint.h (what they meet), sweep/project.h and
+/// sweep/backproject.h (both ways), reconstruct/sart.h.
+///
+/// Quantities and units: docs/units.md.
 #pragma once
 
 #include "raysweep/camera/camera.h"
+#include "raysweep/camera/projection_geometry.h"
+#include "raysweep/camera/projections.h"
 #include "raysweep/illuminate/illuminate.h"
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/reconstruct/exact_projections.h"
 #include "raysweep/reconstruct/fbp.h"
+#include "raysweep/reconstruct/data_exchange.h"
+#include "raysweep/reconstruct/detector.h"
+#include "raysweep/reconstruct/exact_projections.h"
+#include "raysweep/reconstruct/fbp.h"
+#include "raysweep/reconstruct/geometry_io.h"
+#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/reconstruct/ring_filter.h"
+#include "raysweep/reconstruct/rotation_center.h"
+#include "raysweep/reconstruct/sart.h"
 #include "raysweep/render/render.h"
 #include "raysweep/scene/scene.h"
 #include "raysweep/scene/sky_map.h"
+#include "raysweep/sweep/project_grid.h"
 #include "raysweep/volume/classify.h"
+#include "raysweep/volume/ct_phantoms.h"
 #include "raysweep/volume/ct_phantoms.h"
 #include "raysweep/volume/engine_room.h"
 #include "raysweep/volume/grid_select.h"

@@ -28,9 +28,15 @@ expect_exit 0 "$raysweep" info head.vdb --json
 cp .out head.json
 expect_json head.json "r['grids'][0]['name'] == 'density' and abs(r['grids'][0]['max'][0] - 2) < 1e-6"
 expect_exit 0 "$raysweep" generate box-with-holes -o holes.vdb --dims 48,40,24 --voxel-size 1 --report report.json
-expect_json report.json "0.7 * 36 * 30 * 18 < r['voxels_active'] < 36 * 30 * 18"
+expect_json report.json "0.7 * 30 * 25 * 15 < r['voxels_active'] < 30 * 26 * 16"
 expect_exit 2 "$raysweep" generate shepp-logan -o a.vdb --dims 48,40,24
 expect_match "--dims"
+expect_exit 0 "$raysweep" generate shepp-logan -o head.vdb --size 32 --projections exact.mha --parallel --views 20 --detector 48,40,0.0625
+expect_exit 0 "$raysweep" ct exact.mha -o head_ct.vdb --parallel --reference head.vdb --report report.json
+expect_json report.json "r['rms_history'][-1] < 0.12"
+expect_exit 2 "$raysweep" generate cloud -o a.vdb --projections exact.mha --parallel --views 20 --detector 48,40,0.0625
+expect_exit 2 "$raysweep" generate shepp-logan -o a.vdb --parallel
+expect_match "--projections"
 
 # Options from a file: flat keys belong to the subcommand that was called, the command line wins, other sections wait.
 printf 'size = 20\n\n[info]\njson = true\n' >flat.toml

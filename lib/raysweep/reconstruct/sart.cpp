@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <optional>
 #include <sstream>
 
@@ -146,6 +147,15 @@ openvdb::Coord shiftTo(const openvdb::FloatGrid& grid, const ReconstructionGrid&
     return shift;
 }
 
+/// What progress says of it.
+std::string howItGoes(const std::vector<SartPoint>& history) {
+    if (history.empty()) return "";
+    std::ostringstream text;
+    text << std::setprecision(3) << ": residual " << history.back().residual;
+    if (!std::isnan(history.back().rms)) text << ", RMS " << history.back().rms;
+    return text.str();
+}
+
 /// How often total variation is lowered after a pass.
 constexpr int kVariationSteps = 10;
 
@@ -214,7 +224,8 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
         const double relaxation = options.relaxation / (1 + options.relaxationDecay * pass);
         if (before) before->copyFrom(volume);
         for (int first = 0; first < views && result.termination == SartTermination::iterations; first += together) {
-            if (!report(progress, "reconstructing", (pass + double(first) / views) / options.iterations)) {
+            if (!report(progress, "reconstructing" + howItGoes(result.history),
+                        (pass + double(first) / views) / options.iterations)) {
                 result.termination = SartTermination::interrupted;
                 break;
             }

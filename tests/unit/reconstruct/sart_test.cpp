@@ -67,6 +67,28 @@ TEST(Sart, ConsistentProjectionsAreMetEverBetter) {
     }
 }
 
+TEST(Sart, TheAxisMayBeAnyOfTheGrids) {
+    // The same scan with the world's axes named anew: columns of voxels follow the detector's rows.
+    const auto renamed = [](const Vec3& v, int axis) {
+        return axis == 0 ? Vec3(v.z, v.x, v.y) : axis == 1 ? Vec3(v.y, v.z, v.x) : v;
+    };
+    SartOptions options;
+    options.iterations = 2;
+    const SmallScan scan = smallScan(BeamShape::cone);
+    const double expected = reconstruct(scan, options).history.back().residual;
+    for (int axis = 0; axis < 2; ++axis) {
+        SmallScan turned = scan;
+        turned.phantom = nullptr;
+        for (XrayView& view : turned.geometry.views)
+            for (Vec3* v : {&view.source, &view.direction, &view.origin, &view.column, &view.row})
+                *v = renamed(*v, axis);
+        const Vec3 dims = renamed(Vec3(scan.grid.dims.x, scan.grid.dims.y, scan.grid.dims.z), axis);
+        turned.grid.dims = Index3(int(dims.x), int(dims.y), int(dims.z));
+        // Not to the last bit: x and y may have changed their roles, and so the order of sums.
+        EXPECT_NEAR(reconstruct(turned, options).history.back().residual, expected, 1e-4 * expected) << axis;
+    }
+}
+
 TEST(Sart, ViewsMayCorrectTogether) {
     const SmallScan scan = smallScan();
     double before = 0;
