@@ -125,56 +125,84 @@ HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const RowSolids& s
     return in;
 }
 
-/// Eight voxels of a slice and the rays of all beams at them. `lanes` take part, if clipped.
+/// Eight voxels of a slice, and what they exchange with all beams.
+template <int kChannels>
+struct Row {
+    Vec tau, shotPart;
+    Vec unshot[kChannels];
+    int number, lane;  ///< in the slice, of the first voxel
+    int slice;
+    Mask lanes;  ///< that take part, if clipped
+
+    Vec in[kChannels], out[kChannels], furnace;
+};
+
+/// The rays of all beams meet a row. `kSurfaces`: some of its voxels have a surface or are the inside of a solid.
 template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
-HWY_INLINE void exchangeRow(const ExchangeStep& step, const SliceView<kChannels>& view, const BeamSlice* beams,
-                            int count, int row, int lane, int at, int slice, Mask lanes,
-                            Exchanged<kChannels>& exchanged) {
-    const Vec tau = hn::Load(kLanes, view.tau + at);
-    Vec U[kChannels], in[kChannels], out[kChannels];
-    Vec any = tau;
-    for (int c = 0; c < kChannels; ++c) {
-        U[c] = hn::Load(kLanes, view.unshot[c] + at);
-        any = hn::Or(any, U[c]);
-        in[c] = out[c] = hn::Zero(kLanes);
-    }
-    Vec furnace = hn::Zero(kLanes);
-    // In sparse volumes many rows are empty: nothing there that could change a ray or be changed by one.
-    if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
-        const Vec shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, step.zeta));
-        RowSurfaces surfaces;
-        if (kSurfaces) surfaces = rowSurfaces(step, view.normals + at, tau);
-        for (int k = 0; k < count; ++k) {
-            const BeamSlice& beam = beams[k];
-            RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.beam->stepScale, tau, shotPart);
-            RowSolids solids;
-            if (kSurfaces) solids = applySurfaces<kModel>(step, beam.beam->front.direction, surfaces, terms);
-            if (kClipped) {
-                terms.opacity = hn::IfThenElseZero(lanes, terms.opacity);
-                terms.shot = hn::IfThenElseZero(lanes, terms.shot);
-            }
-            const std::ptrdiff_t ray = beam.rowStart[row] + lane;
-            if (kSurfaces && beam.furnace)
-                furnace = hn::Add(furnace, exchangeFurnace(beam.beam->furnaceRay, terms.opacity, solids,
-                                                           beam.furnace + ray, beam.lastSlice + ray, slice));
-            for (int c = 0; c < kChannels; ++c) {
-                float* const power = beam.power + c * beam.planeStride + ray;
-                const Vec e = hn::LoadU(kLanes, power);
-                const Vec taken = hn::Mul(e, terms.opacity), given = hn::Mul(U[c], terms.shot);
-                const Vec after = hn::Add(hn::Sub(e, taken), given);
-                requireNonNegative(after);
-                hn::StoreU(after, kLanes, power);
-                in[c] = hn::Add(in[c], taken);
-                out[c] = hn::Add(out[c], given);
-            }
+HWY_INLINE void meetBeams(const ExchangeStep& step, const BeamSlice* beams, int count, const RowSurfaces& surfaces,
+                          Row<kChannels>& row) {
+    const bool hasNormals = kSurfaces && !hn::AllFalse(kLanes, surfaces.surface);
+    RowSolids solids;
+    if (kSurfaces) solids = {surfaces.solid, surfaces.surface};  // nothing leaves where there is no surface
+    for (int k = 0; k < count; ++k) {
+        const BeamSlice& beam = beams[k];
+        RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.beam->stepScale, row.tau, row.shotPart);
+        if (hasNormals) solids = applySurfaces<kModel>(step, beam.beam->front.direction, surfaces, terms);
+        if (kClipped) {
+            terms.opacity = hn::IfThenElseZero(row.lanes, terms.opacity);
+            terms.shot = hn::IfThenElseZero(row.lanes, terms.shot);
+        }
+        const std::ptrdiff_t ray = beam.rowStart[row.number] + row.lane;
+        // Elsewhere rays are as long outside as they were; nothing of the furnace would change.
+        if (kSurfaces && beam.furnace)
+            row.furnace = hn::Add(row.furnace, exchangeFurnace(beam.beam->furnaceRay, terms.opacity, solids,
+                                                               beam.furnace + ray, beam.lastSlice + ray, row.slice));
+        for (int c = 0; c < kChannels; ++c) {
+            float* const power = beam.power + c * beam.planeStride + ray;
+            const Vec e = hn::LoadU(kLanes, power);
+            const Vec taken = hn::Mul(e, terms.opacity), given = hn::Mul(row.unshot[c], terms.shot);
+            const Vec after = hn::Add(hn::Sub(e, taken), given);
+            requireNonNegative(after);
+            hn::StoreU(after, kLanes, power);
+            row.in[c] = hn::Add(row.in[c], taken);
+            row.out[c] = hn::Add(row.out[c], given);
         }
     }
+}
+
+/// Reads a row, exchanges, and notes what was exchanged. In a brick that has surfaces most rows have none, and are
+/// treated as those of other bricks.
+/// @param mostScale largest step scale of the beams
+template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
+HWY_INLINE void exchangeRow(const ExchangeStep& step, float mostScale, const SliceView<kChannels>& view,
+                            const BeamSlice* beams, int count, int at, Row<kChannels>& row,
+                            Exchanged<kChannels>& exchanged) {
+    row.tau = hn::Load(kLanes, view.tau + at);
+    Vec any = row.tau;
     for (int c = 0; c < kChannels; ++c) {
-        hn::Store(in[c], kLanes, exchanged.in[c] + at);
-        hn::Store(out[c], kLanes, exchanged.out[c] + at);
+        row.unshot[c] = hn::Load(kLanes, view.unshot[c] + at);
+        any = hn::Or(any, row.unshot[c]);
+        row.in[c] = row.out[c] = hn::Zero(kLanes);
     }
-    if (kSurfaces) hn::Store(furnace, kLanes, exchanged.furnace + at);
-    if (kClipped) hn::Store(hn::IfThenElseZero(lanes, hn::Set(kLanes, 1.0f)), kLanes, exchanged.met + at);
+    row.furnace = hn::Zero(kLanes);
+    // In sparse volumes many rows are empty: nothing there that could change a ray or be changed by one.
+    if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
+        row.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, step.zeta));
+        RowSurfaces surfaces;
+        if (kSurfaces) surfaces = rowSurfaces(step, view.normals + at, row.tau);
+        if (kSurfaces && !hn::AllFalse(kLanes, hn::Or(surfaces.surface, surfaces.solid)))
+            meetBeams<kModel, kChannels, false, true, kClipped>(step, beams, count, surfaces, row);
+        else if (kThinOnly || (kSurfaces && hn::AllTrue(kLanes, hn::Le(row.tau, hn::Set(kLanes, kThin / mostScale)))))
+            meetBeams<kModel, kChannels, true, false, kClipped>(step, beams, count, surfaces, row);
+        else
+            meetBeams<kModel, kChannels, false, false, kClipped>(step, beams, count, surfaces, row);
+    }
+    for (int c = 0; c < kChannels; ++c) {
+        hn::Store(row.in[c], kLanes, exchanged.in[c] + at);
+        hn::Store(row.out[c], kLanes, exchanged.out[c] + at);
+    }
+    if (kSurfaces) hn::Store(row.furnace, kLanes, exchanged.furnace + at);
+    if (kClipped) hn::Store(hn::IfThenElseZero(row.lanes, hn::Set(kLanes, 1.0f)), kLanes, exchanged.met + at);
 }
 
 /// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
@@ -193,7 +221,7 @@ HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannel
 
 /// The rays of all beams go through the eight slices of a brick.
 template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
-void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step, float mostScale,
                     const SliceView<kChannels>& view, const Brick<kChannels>& brick, const Brick<kChannels>& next,
                     Exchanged<kChannels>& exchanged) {
     const RayFront& front = swept.beams[0].front;
@@ -218,8 +246,13 @@ void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const Exch
                     hn::Store(hn::Zero(kLanes), kLanes, exchanged.met + at + lane);
                     continue;
                 }
-                exchangeRow<kModel, kChannels, kThinOnly, kSurfaces, kClipped>(
-                    step, view, beams, count, row, lane, at + lane, k, clip.lanes(lane), exchanged);
+                Row<kChannels> voxels;
+                voxels.number = row;
+                voxels.lane = lane;
+                voxels.slice = k;
+                if (kClipped) voxels.lanes = clip.lanes(lane);
+                exchangeRow<kModel, kChannels, kThinOnly, kSurfaces, kClipped>(step, mostScale, view, beams, count,
+                                                                               at + lane, voxels, exchanged);
             }
     }
 }
@@ -257,11 +290,14 @@ HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, 
     const float thickest = findEscape<kModel>(step, brick.tau, exchanged.inverseEscape);
     const SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
     if (brick.normals)
-        exchangeSlices<kModel, kChannels, false, true, kClipped>(swept, visit, step, view, brick, next, exchanged);
+        exchangeSlices<kModel, kChannels, false, true, kClipped>(swept, visit, step, mostScale, view, brick, next,
+                                                                 exchanged);
     else if (thickest * mostScale <= kThin)
-        exchangeSlices<kModel, kChannels, true, false, kClipped>(swept, visit, step, view, brick, next, exchanged);
+        exchangeSlices<kModel, kChannels, true, false, kClipped>(swept, visit, step, mostScale, view, brick, next,
+                                                                 exchanged);
     else
-        exchangeSlices<kModel, kChannels, false, false, kClipped>(swept, visit, step, view, brick, next, exchanged);
+        exchangeSlices<kModel, kChannels, false, false, kClipped>(swept, visit, step, mostScale, view, brick, next,
+                                                                  exchanged);
     if (axis.transposed) {
         turn(exchanged.inverseEscape);
         for (int c = 0; c < kChannels; ++c) {
