@@ -4,6 +4,7 @@
 #include "raysweep/core/output_file.h"
 #include "raysweep/volume/itk_formats.h"
 #include "raysweep/volume/itk_read.h"
+#include "raysweep/volume/meta_image_check.h"
 #include "raysweep/volume/nifti_check.h"
 
 #include <itkMetaImageIO.h>
@@ -56,6 +57,7 @@ StoredVolume itkVolume(const std::string& path, ItkFormat format, const Progress
     if (std::filesystem::is_directory(path, ignored)) failRead(path, "it is a folder");
     const Silence silence;
     if (format == ItkFormat::nifti) checkNifti(path);
+    if (format == ItkFormat::metaImage) checkMetaImage(path);
     const itk::ImageIOBase::Pointer io = readerFor(format);
     StoredVolume volume;
     guarded(path, "header", silence, [&] {
