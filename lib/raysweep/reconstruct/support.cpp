@@ -57,10 +57,11 @@ std::vector<ColumnRange> visualHull(const Projections& projections, const Projec
                 VoxelBox box;
                 box.low = Index3(int(i / chunks) / tilesY * kTileEdge, int(i / chunks) % tilesY * kTileEdge,
                                  int(i % chunks) * kColumnChunk);
-                box.high = box.low + Index3(kTileEdge, kTileEdge, kColumnChunk);
-                const Shadow shadow = shadowOf(box, footprint);
-                if (!shadow.whole) return;
-                PixelBox pixels = shadow.pixels;
+                box.high = Index3(std::min(box.low.x + kTileEdge, lattice.dims.x),
+                                  std::min(box.low.y + kTileEdge, lattice.dims.y),
+                                  std::min(box.low.z + kColumnChunk, lattice.dims.z));
+                if (!isOnDetector(box, footprint)) return;
+                PixelBox pixels = shadowOf(box, footprint);
                 if (footprint.flipped)
                     pixels = {pixels.lowColumn, pixels.highColumn, footprint.height - pixels.highRow,
                               footprint.height - pixels.lowRow};

@@ -67,7 +67,7 @@ void backprojectOblique(const ColumnVolume& layout, std::size_t tile, const View
     box.low = Index3(int(tile) / layout.tilesY() * kTileEdge, int(tile) % layout.tilesY() * kTileEdge, range.low);
     box.high = Index3(std::min(box.low.x + kTileEdge, dims.x), std::min(box.low.y + kTileEdge, dims.y),
                       std::min(range.high, dims.z));
-    const PixelBox pixels = shadowOf(box, rays.footprint).pixels;
+    const PixelBox pixels = shadowOf(box, rays.footprint);
     for (int column = pixels.lowColumn; column < pixels.highColumn; ++column)
         for (int row = pixels.lowRow; row < pixels.highRow; ++row) {
             const RayLine line = rayLine(rays.footprint, dims, column, row);

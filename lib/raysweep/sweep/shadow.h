@@ -15,12 +15,12 @@ struct PixelBox {
     int lowColumn, highColumn, lowRow, highRow;
 };
 
-struct Shadow {
-    PixelBox pixels;  ///< all whose rays give anything to a voxel of the box, and maybe some more
-    bool whole;       ///< false if a part of the shadow lies off the detector, or is not known
-};
+/// All pixels whose rays give anything to a voxel of the box, and maybe some more.
+PixelBox shadowOf(const VoxelBox& box, const ViewFootprint& footprint);
 
-Shadow shadowOf(const VoxelBox& box, const ViewFootprint& footprint);
+/// True if the box, from its voxels' outer faces, casts all of its shadow between the outer edges of the detector's
+/// pixels. False also if that is not known.
+bool isOnDetector(const VoxelBox& box, const ViewFootprint& footprint);
 
 /// In how many views the volume falls on a pixel. @throw InvalidArgument if in none.
 int requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice);
