@@ -49,7 +49,11 @@ std::string commandOf(const GenerateOptions& options) {
     std::ostringstream text;
     text << options.kind;
     if (options.kind != kRoom) {
-        text << " --size " << options.phantom.size << " --seed " << options.common.seed;
+        if (options.dims.empty())
+            text << " --size " << options.phantom.size;
+        else
+            text << " --dims " << options.dims;
+        text << " --seed " << options.common.seed;
         return text.str();
     }
     if (options.room.size > 0) text << " --size " << options.room.size;
