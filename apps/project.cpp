@@ -19,6 +19,8 @@
 namespace raysweep::apps {
 namespace {
 
+constexpr double kDark = 20;  ///< line integral that no photon gets through
+
 struct ProjectArguments {
     CommonOptions common;
     ScanArguments scan;
@@ -67,6 +69,8 @@ int run(const ProjectArguments& a) {
     checkFinite(*volume, volume->getName());
     const ProjectionGeometry geometry = scanGeometry(a.scan, nullptr, middleOf(*volume));
 
+    commentOnScan(a.scan, a.common);
+
     TerminalProgress progress(a.common);
     const Timer timer;
     Projections projections = projectGrid(*volume, geometry, progress.callback());
@@ -75,16 +79,19 @@ int run(const ProjectArguments& a) {
         return kInterrupted;
     }
     for (float& value : projections.values) value *= float(a.extinction);
+    const float thickest = *std::max_element(projections.values.begin(), projections.values.end());
     detect(projections, a.detector);
     const double seconds = timer.seconds();
     writeProjections(a.output, projections, pitchOf(geometry));
     if (!a.geometryOutput.empty()) writeGeometry(a.geometryOutput, geometry);
     const nlohmann::ordered_json report = describe(projections, seconds);
-    const double most = report["max"];
-    if (a.detector.photons > 0 && most > 20)
-        warning(a.common, "the largest line integral is " + brief(most, 3) +
+    if (thickest <= 0)
+        warning(a.common,
+                "no ray meets anything; check the geometry, --orbit-center, and that the detector is large enough");
+    if (a.detector.photons > 0 && thickest > kDark)
+        warning(a.common, "the largest line integral is " + brief(thickest, 3) +
                               ": no photon comes through; a lower --extinction makes it like a measured one (2 to 6)");
-    detail(a.common, std::to_string(projections.views) + " views, largest line integral " + brief(most, 3));
+    detail(a.common, std::to_string(projections.views) + " views, largest line integral " + brief(thickest, 3));
     writeReport(a.common, report);
     return kDone;
 }

@@ -136,6 +136,14 @@ void checkScanOptions(const ScanArguments& a) {
     }
 }
 
+void commentOnScan(const ScanArguments& a, const CommonOptions& common) {
+    if (a.cone.empty()) return;
+    const CircularOrbit orbit = orbitOf(a, nullptr, Vec3(0));
+    if (orbit.sourceToDetector < orbit.sourceToAxis)
+        warning(common,
+                "--cone '" + a.cone + "': the detector is nearer to the source than the axis is; are the two swapped?");
+}
+
 Vec3 middleOf(const openvdb::FloatGrid& volume) {
     const auto box = volume.evalActiveVoxelBoundingBox();
     const openvdb::Vec3d middle = volume.indexToWorld(0.5 * (box.min().asVec3d() + box.max().asVec3d()));

@@ -39,6 +39,9 @@ void requireProjectionOutput(const std::string& path, const std::string& option)
 /// From pixel to pixel, along columns and rows of the first view's detector.
 DetectorPair pitchOf(const ProjectionGeometry& geometry);
 
+/// Warns of what is possible, but hardly meant.
+void commentOnScan(const ScanArguments& arguments, const CommonOptions& common);
+
 /// World position of the middle of the box around a volume's active voxels.
 Vec3 middleOf(const openvdb::FloatGrid& volume);
 
