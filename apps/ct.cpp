@@ -7,10 +7,13 @@
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/parallel.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/reconstruct/line_integrals.h"
 #include "raysweep/reconstruct/sart.h"
+#include "raysweep/sweep/footprint.h"
+#include "raysweep/sweep/shadow.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/voxel_check.h"
@@ -59,6 +62,10 @@ struct CtArguments {
 
 bool isDirect(Method method) {
     return method == Method::fbp || method == Method::fdk;
+}
+
+bool isVdb(const std::string& path) {
+    return lowerExtension(path) == ".vdb";
 }
 
 void addMethodOptions(CLI::App& app, CtArguments& a) {
@@ -135,6 +142,9 @@ void addOptions(CLI::App& app, CtArguments& a) {
 /// Everything that can be said to be wrong before a file is read.
 void completeOptions(CtArguments& a, const CLI::App& command) {
     requireFileOutput(a.output);
+    if (!isVdb(a.output)) usageError("--output", "'" + a.output + "' must end in .vdb");
+    if (!a.initial.empty() && a.initial != kFiltered && !isVdb(a.initial))
+        usageError("--initial", "'" + a.initial + "' must be a .vdb file, or " + kFiltered);
     completeOptions(a.input);
     const Method method = kMethods.at(a.method);
     if (isDirect(method)) {
@@ -189,6 +199,33 @@ Vec3 snapped(const ReconstructionGrid& grid, const openvdb::FloatGrid& frame) {
     return grid.center + Vec3(place.x(), place.y(), place.z()) - first;
 }
 
+/// All that the detector sees; nothing if views are not those of a turn.
+std::optional<ReconstructionGrid> seenGrid(const ProjectionGeometry& geometry) {
+    try {
+        return coveringGrid(geometry);
+    } catch (const InvalidArgument&) {
+        return {};
+    }
+}
+
+/// In how many views the grid falls onto the detector. @throw InvalidArgument if in none.
+int viewsSeeing(const ProjectionGeometry& geometry, const ReconstructionGrid& grid) {
+    const auto transform = grid.transform();
+    const openvdb::CoordBBox box(openvdb::Coord(0), openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
+    return requireSeen(geometry, columnLattice(box, *transform, columnAxisFor(geometry, *transform)));
+}
+
+/// Volumes that this machine cannot hold. Of those that are swept, only what no view looks past is held.
+void requireRoom(const ReconstructionGrid& grid, bool whole) {
+    constexpr double kLeast = 1.0 / 16;  // the part of a grid that an object takes up at the least
+    const double bytes = double(grid.dims.x) * grid.dims.y * grid.dims.z * sizeof(float);
+    if (bytes * (whole ? 1 : kLeast) <= double(physicalBytes())) return;
+    throw InvalidArgument("a volume of " + std::to_string(grid.dims.x) + "x" + std::to_string(grid.dims.y) + "x" +
+                          std::to_string(grid.dims.z) + " voxels has " + std::to_string(std::size_t(bytes / 1e9)) +
+                          " GB, this machine " + std::to_string(physicalBytes() / 1000000000) +
+                          " GB; use larger voxels, or a smaller --size");
+}
+
 /// Where to reconstruct: what the user says; else as a volume that was given; else all that the detector sees.
 ReconstructionGrid gridFor(const CtArguments& a, const ProjectionGeometry& geometry, const openvdb::FloatGrid* frame) {
     ReconstructionGrid grid;
@@ -196,7 +233,12 @@ ReconstructionGrid gridFor(const CtArguments& a, const ProjectionGeometry& geome
         const openvdb::Coord dims = frame->evalActiveVoxelBoundingBox().dim();
         grid = {Index3(dims.x(), dims.y(), dims.z()), middleOf(*frame), frame->voxelSize()[0]};
     } else if (a.size.empty() || !a.spacing) {
-        grid = coveringGrid(geometry);
+        const std::optional<ReconstructionGrid> seen = seenGrid(geometry);
+        // Why not is said by what needs a turn about an axis in any case.
+        if (!seen && !isDirect(kMethods.at(a.method)))
+            throw InvalidArgument(
+                "the views are not those of a turn about an axis that is seen; give --size and --spacing");
+        grid = seen ? *seen : coveringGrid(geometry);
     }
     const Vec3 extent = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;
     if (a.spacing) grid.spacing = *a.spacing;
@@ -219,6 +261,7 @@ struct Reconstruction {
     openvdb::FloatGrid::Ptr volume;
     SartResult iterative;  ///< its volume is taken away; nothing else in it for direct methods
     double seconds = 0;
+    int viewsSeeing = 0;  ///< in which the volume falls onto the detector
     bool interrupted = false;
 };
 
@@ -247,6 +290,8 @@ Reconstruction reconstruct(CtArguments& a, const CtInput& input, const Reconstru
     TerminalProgress progress(a.common);
     const Timer timer;
     Reconstruction result;
+    result.viewsSeeing = viewsSeeing(input.geometry, grid);
+    requireRoom(grid, isDirect(method) || directFirst || given.reference || a.sart.support == Support::none);
     if (isDirect(method) || directFirst) volumes.initial = filtered(a, input, grid, progress.callback());
     if (isDirect(method)) {
         result.volume = std::const_pointer_cast<openvdb::FloatGrid>(volumes.initial);
@@ -265,16 +310,16 @@ void commentOnScale(const CtArguments& a, const ProjectionGeometry& geometry, co
                     const openvdb::FloatGrid& volume) {
     constexpr double kApart = 4;   // between spacings, as a factor
     constexpr double kOpaque = 4;  // optical depth of a voxel: no scan has one that stops 98 % of the rays
-    const double natural = coveringGrid(geometry).spacing;
-    if (grid.spacing > kApart * natural || grid.spacing < natural / kApart)
+    const std::optional<ReconstructionGrid> seen = seenGrid(geometry);
+    if (seen && (grid.spacing > kApart * seen->spacing || grid.spacing < seen->spacing / kApart))
         warning(a.common,
-                "voxels are " + brief(grid.spacing / natural) +
+                "voxels are " + brief(grid.spacing / seen->spacing) +
                     " times as large as the detector's pixels, seen at the axis; are --spacing, --pitch and the "
                     "geometry in the same unit (mm, cm)?");
     const ValueRange range = valueRange(volume);
     if (!range.max.empty() && range.max[0] * grid.spacing > kOpaque)
         warning(a.common, "a single voxel would stop up to " +
-                              brief(100 * (1 - std::exp(-range.max[0] * grid.spacing))) +
+                              brief(100 * (1 - std::exp(-range.max[0] * grid.spacing)), 3) +
                               " % of the rays: densities as large as " + brief(range.max[0]) +
                               " per world unit suggest that lengths were given in the wrong unit (mm, cm), or that the "
                               "input does not hold line integrals");
@@ -282,9 +327,15 @@ void commentOnScale(const CtArguments& a, const ProjectionGeometry& geometry, co
 
 void comment(const CtArguments& a, const CtInput& input, const Reconstruction& result) {
     const int views = input.projections.views;
-    if (!isDirect(kMethods.at(a.method)) && 2 * result.iterative.viewsSeeing < views)
-        warning(a.common, "the volume falls onto the detector in " + std::to_string(result.iterative.viewsSeeing) +
-                              " of " + std::to_string(views) + " views only; check --volume-center and the geometry");
+    if (2 * result.viewsSeeing < views)
+        warning(a.common, "the volume falls onto the detector in " + std::to_string(result.viewsSeeing) + " of " +
+                              std::to_string(views) + " views only; check --volume-center and the geometry");
+    if (result.volume->empty())
+        warning(a.common, "the volume is empty: no line integral is above 0, or none of its rays meets the volume");
+    if (2 * input.deadPixels > input.projections.pixelsPerView())
+        warning(a.common, std::to_string(input.deadPixels) + " of " +
+                              std::to_string(input.projections.pixelsPerView()) +
+                              " pixels are dead; are --flat and --dark what they should be?");
     if (input.deadPixels > 0) detail(a.common, std::to_string(input.deadPixels) + " dead pixels were left out");
     if (!result.iterative.history.empty()) {
         const SartPoint& last = result.iterative.history.back();
@@ -292,6 +343,31 @@ void comment(const CtArguments& a, const CtInput& input, const Reconstruction& r
                              (std::isnan(last.rms) ? "" : ", RMS difference " + brief(last.rms, 4)));
     }
     if (result.interrupted) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
+}
+
+/// Over all voxels of the grid, as SartPoint::rms; where voxels do not coincide, as `raysweep compare`.
+double rmsOf(const openvdb::FloatGrid& volume, const openvdb::FloatGrid& reference, const Index3& dims) {
+    const auto place = [&](const openvdb::Coord& voxel) { return reference.worldToIndex(volume.indexToWorld(voxel)); };
+    const openvdb::Coord shift = openvdb::Coord::round(place(openvdb::Coord(0)));
+    const openvdb::Coord last(dims.x - 1, dims.y - 1, dims.z - 1);
+    if (!((place(openvdb::Coord(0)) - shift.asVec3d()).length() < 1e-3) ||
+        !((place(last) - (last + shift).asVec3d()).length() < 1e-3))
+        return compareGrids(volume, reference).rmse;
+    const double sum = orderedSum<double>(
+        std::size_t(dims.x),
+        [&](std::size_t x) {
+            const auto is = volume.getConstAccessor(), shouldBe = reference.getConstAccessor();
+            double squares = 0;
+            for (int y = 0; y < dims.y; ++y)
+                for (int z = 0; z < dims.z; ++z) {
+                    const openvdb::Coord voxel(int(x), y, z);
+                    const double difference = double(is.getValue(voxel)) - shouldBe.getValue(voxel + shift);
+                    squares += difference * difference;
+                }
+            return squares;
+        },
+        4);
+    return std::sqrt(sum / (double(dims.x) * dims.y * dims.z));
 }
 
 nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, const ReconstructionGrid& grid,
@@ -307,7 +383,8 @@ nlohmann::ordered_json describe(const CtArguments& a, const CtInput& input, cons
                                    {"peak_bytes", peakBytes},
                                    {"input", input.report()}};
     if (isDirect(kMethods.at(a.method))) {
-        if (given.reference) json["rms"] = compareGrids(*result.volume, *given.reference).rmse;
+        json["termination"] = result.interrupted ? "interrupted" : "done";
+        if (given.reference) json["rms"] = rmsOf(*result.volume, *given.reference, grid.dims);
         return json;
     }
     json["updates"] = iterative.updates;
@@ -358,6 +435,10 @@ int run(CtArguments& a) {
     const ReconstructionGrid grid = gridFor(a, input.geometry, given.frame());
     const Reconstruction result = reconstruct(a, input, grid, given);
     const std::size_t peak = peakResidentBytes();
+    if (result.interrupted && result.volume->empty()) {
+        message(a.common, "stopped before there was anything to write");
+        return kInterrupted;
+    }
 
     result.volume->setSaveFloatAsHalf(a.half);
     if (a.half && clampForHalf(*result.volume) > 0) warning(a.common, "values beyond half floats were set to 65504");

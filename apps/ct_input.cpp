@@ -20,7 +20,7 @@ const std::string kAuto = "auto";
 
 bool isHdf5(const std::string& path) {
     const std::string extension = lowerExtension(path);
-    return extension == ".h5" || extension == ".hdf5" || extension == ".hdf" || extension == ".nx";
+    return extension == ".h5" || extension == ".hdf5" || extension == ".hdf" || extension == ".nxs";
 }
 
 /// What was read, before anything is done to it.
@@ -86,8 +86,10 @@ void prepare(const CtInputArguments& a, Measured& measured, CtInput& input) {
     } else {
         input.projections = std::move(measured.values);
     }
-    if (a.scale)
+    if (a.scale) {
         for (float& value : input.projections.values) value *= float(*a.scale);
+        input.projections.saturation *= float(*a.scale);
+    }
     if (a.saturation) input.projections.saturation = float(*a.saturation);
     if (a.deadPixels) input.deadPixels += markDeadPixels(input.projections);
     if (a.ringWindow > 0) filterRings(input.projections, RingFilterOptions{a.ringWindow});
@@ -95,6 +97,21 @@ void prepare(const CtInputArguments& a, Measured& measured, CtInput& input) {
         input.notMeasured += std::isnan(value);
         input.saturated += value >= input.projections.saturation;
     }
+    if (input.notMeasured == input.projections.values.size())
+        throw InvalidArgument("'" + a.files[0] + "': no ray was measured: all values are NaN or infinite, or of dead " +
+                              "pixels");
+}
+
+/// Pixels that are not as far apart as the projections say, if the geometry has its own distances.
+void commentOnPixels(const MeasuredScan& measured, const ProjectionGeometry& geometry, const CommonOptions& common) {
+    constexpr double kSame = 0.01;                                             // relative
+    if (!measured.spacing || *measured.spacing == DetectorPair{1, 1}) return;  // 1: also where a file says nothing
+    const double column = geometry.views[0].column.length(), row = geometry.views[0].row.length();
+    const double fileColumn = std::abs((*measured.spacing)[0]), fileRow = std::abs((*measured.spacing)[1]);
+    if (std::abs(column / fileColumn - 1) > kSame || std::abs(row / fileRow - 1) > kSame)
+        warning(common, "pixels are " + brief(column) + " x " + brief(row) + " apart in the geometry, but " +
+                            brief(fileColumn) + " x " + brief(fileRow) +
+                            " in the projections; are both in the same unit (mm, cm)?");
 }
 
 /// Degrees of each view, as far as options or the file say.
@@ -180,6 +197,8 @@ CtInput readCtInput(const CtInputArguments& a, const CommonOptions& common, cons
     }
     input.geometry = scanGeometry(scan, &measured.scan, center);
     requireMatching(input.geometry, input.projections);
+    commentOnScan(a.scan, common);
+    if (!a.scan.geometry.empty() && a.scan.pitch.empty()) commentOnPixels(measured.scan, input.geometry, common);
     return input;
 }
 

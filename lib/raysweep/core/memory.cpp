@@ -1,5 +1,7 @@
 #include "raysweep/core/memory.h"
 
+#include <unistd.h>
+
 #include <fstream>
 #include <string>
 
@@ -22,6 +24,10 @@ std::size_t residentBytes() {
 
 std::size_t peakResidentBytes() {
     return statusBytes("VmHWM");
+}
+
+std::size_t physicalBytes() {
+    return std::size_t(sysconf(_SC_PHYS_PAGES)) * std::size_t(sysconf(_SC_PAGE_SIZE));
 }
 
 void resetPeak() {

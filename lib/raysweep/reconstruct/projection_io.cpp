@@ -12,6 +12,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <set>
 
 namespace fs = std::filesystem;
 
@@ -31,6 +32,12 @@ void requireProjections(const std::string& path) {
                                                                      : nullptr;
     if (what)
         throw InvalidArgument("cannot read projections from '" + path + "': it is " + what + "; give " + kReadable);
+    static const std::set<std::string> kKnown = {".mha", ".mhd", ".nrrd", ".nhdr", ".tif", ".tiff",
+                                                 ".exr", ".png", ".jpg",  ".jpeg", ".bmp", ".pgm",
+                                                 ".nii", ".gz",  ".hdr",  ".img",  ".dcm"};
+    std::error_code ignored;
+    if (fs::is_regular_file(path, ignored) && !kKnown.count(extension))
+        throw IoError("cannot read '" + path + "': it is of no kind that is known; give " + kReadable);
 }
 
 Projections converted(const StoredVolume& stored) {
@@ -60,7 +67,7 @@ void checkFinite(Projections& projections, const std::string& path, bool repair)
                           (bad > 1 ? "are" : "is") + " NaN or infinite, the first in view " +
                           std::to_string(first / pixels) + ", row " + std::to_string(first % pixels / width) +
                           ", column " + std::to_string(first % width) +
-                          " (all counted from 0); ask for repair to leave such rays out as not measured");
+                          " (all counted from 0); use --repair to leave such rays out as not measured");
 }
 
 /// Spacing and origin along the detector's axes, where these are the world's x and y.
