@@ -1,0 +1,297 @@
+# raysweep ct, end to end: volumes come back from their X-rays, in their place, by every method and from every kind of
+# file; what is in the report; what cannot be reconstructed is refused with a message and leaves outputs as they were.
+source "$(dirname "$0")/lib.sh" "$@"
+
+# Projections made here with Python's standard library; mha(name, ...) writes a file, values(name) reads what
+# `project` wrote.
+cat >mha.py <<'END'
+import array
+def values(name):
+    data = open(name, "rb").read()
+    return array.array("f", data[data.index(b"ElementDataFile = LOCAL\n") + 24:])
+def mha(name, dims, samples, code="f", spacing=1, more=""):
+    kind = {"f": "FLOAT", "H": "USHORT"}[code]
+    offset = [-spacing * (n - 1) / 2 for n in dims[:2]]
+    header = ("ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n%sOffset = %g %g 0\n"
+              "ElementSpacing = %g %g 1\nDimSize = %d %d %d\nElementType = MET_%s\nElementDataFile = LOCAL\n"
+              % (more, *offset, spacing, spacing, *dims, kind))
+    open(name, "wb").write(header.encode() + array.array(code, samples).tobytes())
+END
+
+# box.vdb is 40x40x20 world units, with three holes, in a grid of 64x64x32.
+"$raysweep" generate box-with-holes --dims 64,64,32 --voxel-size 1 -o box.vdb
+"$raysweep" project box.vdb -o p.mha --parallel --views 30 --detector 96,40
+"$raysweep" project box.vdb -o c.mha --cone 120,180 --views 30 --detector 128,64 --write-geometry c.json
+"$raysweep" project box.vdb -o p.exr --parallel --views 30 --detector 96,40
+grid="--size 64,64,32 --spacing 1"
+ct() { expect_exit 0 "$raysweep" ct "$@" --report report.json; }
+rms_below() { expect_exit 0 "$raysweep" compare "$1" box.vdb --max-rms "$2"; }
+same() { expect_exit 0 "$raysweep" compare "$1" "$2" --max-rms 0; }
+
+# Every method, for both beams; what the report says.
+for beam in "p.mha --parallel" "c.mha --cone 120,180"; do
+    ct $beam -o vol.vdb $grid --nonnegative --relaxation 0.9 --iterations 3 --reference box.vdb
+    expect_silent
+    for key in seconds seconds_per_update updates residual_history rms_history peak_bytes; do
+        expect_json report.json "'$key' in r"
+    done
+    expect_json report.json "r['dims'] == [64, 64, 32] and r['updates'] == 90 and r['termination'] == 'iterations'"
+    expect_json report.json "len(r['rms_history']) == 3 and r['rms_history'] == sorted(r['rms_history'])[::-1]"
+    expect_json report.json "r['rms_history'][-1] < 0.07 and r['residual_history'][-1] < 0.02"
+    expect_json report.json "r['input']['views'] == 30 and r['input']['format'] == 'MetaImage'"
+    ct $beam -o direct.vdb $grid --method fbp --reference box.vdb
+    expect_json report.json "r['rms'] < 0.2"
+done
+ct c.mha --cone 120,180 -o fdk.vdb $grid --method fdk
+same fdk.vdb direct.vdb
+ct p.mha --parallel -o vol.vdb $grid --method os-sart --subset 5 --reference box.vdb
+expect_json report.json "r['updates'] == 30 and r['rms_history'][-1] < 0.1"
+ct p.mha --parallel -o vol.vdb $grid --method sirt --relaxation 1 --iterations 10 --reference box.vdb
+expect_json report.json "r['updates'] == 10 and r['rms_history'][-1] < r['rms_history'][0] < 0.3"
+ct p.mha --parallel -o vol.vdb $grid --support none --tv 0.2 --reference box.vdb
+expect_json report.json "r['voxels_kept'] >= 64 * 64 * 32 and r['rms_history'][-1] < 0.08"
+ct p.mha --parallel -o vol.vdb $grid --stop-residual 0.05 --iterations 50
+expect_json report.json "r['termination'] == 'residual' and r['updates'] < 300 and r['residual_history'][-1] < 0.05"
+for order in random sequential golden; do ct p.mha --parallel -o $order.vdb $grid --order $order --iterations 1; done
+
+# Nothing is lost where the grid is all that the detector sees, as it is without --size: support stays that of the object.
+ct p.mha --parallel -o all.vdb
+expect_json report.json "r['dims'] == [96, 96, 40] and r['voxels_kept'] < 96 * 96 * 40 / 2"
+rms_below all.vdb 0.05
+
+# Starting from another volume.
+ct p.mha --parallel -o a.vdb $grid --method fbp
+ct p.mha --parallel -o vol.vdb $grid --initial a.vdb --iterations 1
+ct p.mha --parallel -o b.vdb $grid --initial fbp --iterations 1
+same vol.vdb b.vdb
+ct p.mha --parallel -o vol.vdb $grid --initial box.vdb --iterations 1
+expect_json report.json "r['residual_history'][0] < 1e-4"
+
+# Threads change nothing, the order's seed does; --half is as good; --config says the same as options.
+ct p.mha --parallel -o one.vdb $grid --order random --iterations 1 --threads 1
+ct p.mha --parallel -o two.vdb $grid --order random --iterations 1 --threads 2
+same one.vdb two.vdb
+ct p.mha --parallel -o two.vdb $grid --order random --iterations 1 --seed 2
+expect_exit 1 "$raysweep" compare one.vdb two.vdb --max-rms 0
+ct p.mha --parallel -o two.vdb $grid --order random --iterations 1 --half
+expect_exit 0 "$raysweep" compare one.vdb two.vdb --max-rms 1e-3
+printf 'parallel = true\nsize = [64, 64, 32]\nspacing = 1\norder = "random"\niterations = 1\n' >ct.toml
+ct p.mha -o two.vdb --config ct.toml
+same one.vdb two.vdb
+
+# Pictures, a folder of them, pages of a TIFF and one MetaImage hold the same; so do geometry files and options.
+python3 - <<'END'
+from mha import *
+import struct
+pixels, width, height = values("p.mha"), 96, 40
+size = 4 * width * height
+tiff = b"II*\0" + struct.pack("<I", 8)
+for view in range(30):  # float, not compressed, one strip
+    tags = [(256, 3, width), (257, 3, height), (258, 3, 32), (259, 3, 1), (262, 3, 1), (273, 4, len(tiff) + 126),
+            (277, 3, 1), (278, 3, height), (279, 4, size), (339, 3, 3)]
+    following = len(tiff) + 126 + size if view < 29 else 0
+    tiff += struct.pack("<H", len(tags)) + b"".join(struct.pack("<HHII", t, kind, 1, v) for t, kind, v in tags)
+    tiff += struct.pack("<I", following)
+    tiff += pixels[view * width * height:(view + 1) * width * height].tobytes()
+open("pages.tif", "wb").write(tiff)
+END
+ct pages.tif --parallel -o two.vdb --config ct.toml
+same one.vdb two.vdb
+mkdir pictures && cp p_*.exr pictures
+ct p_*.exr --parallel -o two.vdb --config ct.toml
+same one.vdb two.vdb
+ct pictures --parallel -o two.vdb --config ct.toml
+same one.vdb two.vdb
+ct c.mha --cone 120,180 -o a.vdb $grid --iterations 1
+ct c.mha --geometry c.json -o b.vdb $grid --iterations 1
+same a.vdb b.vdb
+
+# RTK's world has y as axis: what was projected by the same rays, said in JSON, comes back in its place.
+python3 - <<'END'
+import json, math
+width, height, views, sid, sdd, pitch = 96, 64, 30, 120, 180, 1.25
+rays, xml = [], []
+for n in range(views):
+    angle = 2 * math.pi * n / views
+    s, c = math.sin(angle), math.cos(angle)
+    column, row, middle = [c * pitch, 0, -s * pitch], [0, pitch, 0], [(sid - sdd) * s, 0, (sid - sdd) * c]
+    first = [middle[i] - column[i] * (width - 1) / 2 - row[i] * (height - 1) / 2 for i in range(3)]
+    rays.append({"source": [sid * s, 0, sid * c], "origin": first, "column": column, "row": row})
+    xml.append("<Projection><GantryAngle>%.12g</GantryAngle></Projection>" % (360 * n / views))
+json.dump({"format": "raysweep-geometry", "version": 1, "beam": "cone",
+           "detector": {"width": width, "height": height}, "views": rays}, open("rtk.json", "w"))
+open("rtk.xml", "w").write("""<?xml version="1.0"?><!DOCTYPE RTKGEOMETRY><RTKThreeDCircularGeometry version="3">
+<SourceToIsocenterDistance>%g</SourceToIsocenterDistance><SourceToDetectorDistance>%g</SourceToDetectorDistance>
+%s</RTKThreeDCircularGeometry>""" % (sid, sdd, "\n".join(xml)))
+END
+expect_exit 0 "$raysweep" project box.vdb -o rtk.mha --geometry rtk.json
+ct rtk.mha --geometry rtk.xml -o a.vdb $grid --nonnegative
+rms_below a.vdb 0.08
+ct rtk.mha --geometry rtk.json -o b.vdb $grid --nonnegative
+expect_exit 0 "$raysweep" compare a.vdb b.vdb --max-rms 1e-4
+expect_exit 1 "$raysweep" ct p_*.exr --geometry rtk.xml -o a.vdb
+expect_match "'rtk.xml': RTK's geometries say nothing about the detector's pixels"
+
+# Counts with flat and dark frames, one dead pixel, and pixels that no photon reached.
+python3 - <<'END'
+from mha import *
+import math
+p = values("p.mha")
+size = 96 * 40
+flat, dark = [50000 + i % 7 * 300 for i in range(size)], [100 + i % 3 for i in range(size)]
+flat[20 * 96 + 30] = 110
+mha("flat.mha", [96, 40, 2], flat * 2, "H")
+mha("dark.mha", [96, 40, 3], dark * 3, "H")
+mha("few.mha", [96, 40, 1], flat[:960] + dark[960:], "H")
+mha("counts.mha", [96, 40, 30], [round(dark[i % size] + (flat[i % size] - dark[i % size]) * math.exp(-0.05 * p[i]))
+                                 for i in range(len(p))], "H")
+END
+ct counts.mha --flat flat.mha --dark dark.mha --scale 20 --parallel -o vol.vdb $grid
+expect_silent
+expect_json report.json "r['input']['pixels_dead'] == 1 and r['input']['values_not_measured'] == 30"
+expect_json report.json "r['input']['values_saturated'] == 0"
+rms_below vol.vdb 0.05
+ct counts.mha --flat flat.mha --dark dark.mha --scale 20 --parallel -o vol.vdb $grid --method fbp
+ct counts.mha --flat few.mha --dark dark.mha --parallel -o vol.vdb $grid
+expect_match "2880 of 3840 pixels are dead; are --flat and --dark what they should be?"
+ct p.mha --saturation 30 --parallel -o vol.vdb $grid
+expect_json report.json "r['input']['values_saturated'] > 1000"
+
+# Pictures and curves.
+ct p.mha --parallel -o vol.vdb $grid --slices slices.png --plot plot.svg --history 10 --iterations 2 --reference box.vdb
+expect_json report.json "r['updates_history'] == [10, 20, 30, 40, 50, 60] and len(r['rms_history']) == 6"
+for picture in slices.png plot.svg; do [ -s $picture ] || fail "there is no $picture"; done
+
+# Ctrl-C: the volume so far, and 130.
+(trap - INT && exec "$raysweep" ct p.mha --parallel -o stopped.vdb $grid --iterations 1000000 --report report.json) >.out 2>.err &
+sleep 2
+kill -INT $!
+wait $!
+[ $? = 130 ] || fail "Ctrl-C did not end with 130"
+expect_match "'stopped.vdb' holds the volume so far"
+expect_json report.json "r['termination'] == 'interrupted' and r['updates'] > 0"
+rms_below stopped.vdb 0.1
+
+# What was hardly meant is warned of.
+ct c.mha --cone 12,18 -o vol.vdb
+expect_match "lengths were given in the wrong unit (mm, cm)"
+ct c.mha --cone 120,180 -o vol.vdb --size 16,16,8 --spacing 10
+expect_match "voxels are 15 times as large as the detector's pixels"
+sed 's/ElementSpacing = 1.25 1.25/ElementSpacing = 12.5 12.5/' rtk.mha >mm.mha
+ct mm.mha --geometry rtk.json -o vol.vdb $grid --iterations 1
+expect_match "are both in the same unit (mm, cm)?"
+ct p.mha --parallel -o vol.vdb --size 16,16,16 --spacing 1 --volume-center 200,0,0
+expect_match "of 30 views only"
+python3 -c "from mha import *; mha('zero.mha', [96, 40, 30], [0] * 96 * 40 * 30)"
+ct zero.mha --parallel -o vol.vdb $grid
+expect_match "the volume is empty"
+
+# What cannot be reconstructed: one line that says what and where; vol.vdb stays.
+python3 - <<'END'
+from mha import *
+nan, p = float("nan"), values("p.mha")
+data = open("p.mha", "rb").read()
+open("cut.mha", "wb").write(data[:-1000])
+open("empty.mha", "wb").close()
+open("long.mha", "wb").write(b"NDims = 3\n" + 300 * b"y" + b" = 3\nDimSize = 3 3 3\nElementDataFile = LOCAL\n")
+mha("unmeasured.mha", [96, 40, 30], [nan] * len(p))
+p[3 * 96 * 40 + 5 * 96 + 7] = nan
+mha("nan.mha", [96, 40, 30], p)
+open("words.txt", "w").write("hello\n")
+open("empty.h5", "wb").close()
+open("few.json", "w").write(open("c.json").read().replace('"views": [\n', '"views": [\n', 1).rsplit(",\n{", 1)[0] + "\n]\n}\n")
+END
+cp box.vdb vdb.mha
+"$raysweep" generate box-with-holes --dims 64,64,32 --voxel-size 1.5 -o apart.vdb
+cp box.vdb vol.vdb
+refused() {  # CODE TEXT OPTIONS...
+    local code=$1 text=$2
+    shift 2
+    expect_exit "$code" "$raysweep" ct "$@"
+    expect_match "$text"
+    [ "$code" = 2 ] || [ "$(wc -l <"$work/.err")" = 1 ] || fail "not one line: $*"
+    cmp -s vol.vdb box.vdb || fail "an error changed the output: $*"
+}
+out="-o vol.vdb"
+refused 1 "the geometry has 29 views, but the projections have 30" c.mha $out --geometry few.json
+refused 1 "the geometry has 20 views, but the projections have 30" p.mha $out --parallel --views 20
+refused 1 "the geometry has 90 detector columns, but the projections have 96" p.mha $out --parallel --detector 90,40
+refused 1 "the detector misses the volume in every view" p.mha $out --parallel $grid --volume-center 0,0,900
+refused 1 "the detector misses the volume in every view" p.mha $out --parallel $grid --volume-center 0,0,900 --method fbp
+refused 1 "'nan.mha' has 1 value that is NaN or infinite, the first in view 3, row 5, column 7" nan.mha $out --parallel
+expect_match "--repair"
+refused 1 "'unmeasured.mha': no ray was measured" unmeasured.mha $out --parallel --repair
+refused 1 "cannot read 'cut.mha': the data end too early" cut.mha $out --parallel
+refused 1 "cannot read 'empty.mha'" empty.mha $out --parallel
+refused 1 "cannot read 'long.mha': in its header: line 2" long.mha $out --parallel
+refused 1 "cannot read 'vdb.mha': in its header: line 1 is no text" vdb.mha $out --parallel
+refused 1 "missing.mha': there is no such file" missing.mha $out --parallel
+refused 1 "it is of no kind that is known; give MetaImage" words.txt $out --parallel
+refused 1 "it is a sparse volume" box.vdb $out --parallel
+refused 1 "it is a geometry" c.json $out --parallel
+refused 1 "cannot read 'empty.h5'" empty.h5 $out
+refused 1 "missing.h5': there is no such file" missing.h5 $out
+refused 1 "give --size and --spacing" p_0001.exr $out --parallel
+refused 1 "needs a turn about an axis" p_0001.exr $out --parallel --method fbp
+refused 1 "GB; use larger voxels" p.mha $out --parallel --size 16000,16000,16000
+refused 1 "GB; use larger voxels" p.mha $out --parallel --size 16000,16000,16000 --method fbp
+refused 1 "the reference volume are not where" p.mha $out --parallel $grid --reference apart.vdb
+refused 1 "the initial volume are not where" p.mha $out --parallel $grid --initial apart.vdb
+refused 1 "the folder 'no' does not exist" p.mha -o no/vol.vdb --parallel
+for option in "--plot no/a.svg" "--slices no/a.png" "--report no/a.json"; do
+    refused 1 "the folder 'no' does not exist" p.mha $out --parallel $option
+done
+refused 1 "are the frames swapped?" counts.mha $out --parallel --flat dark.mha --dark flat.mha
+refused 1 "the flat frame has" counts.mha $out --parallel --flat c.mha
+ct nan.mha --parallel -o repaired.vdb --repair $grid
+expect_json report.json "r['input']['values_not_measured'] == 1"
+rms_below repaired.vdb 0.05
+ct p_0001.exr --parallel -o single.vdb $grid  # a single view is fine where the grid is known
+
+# Usage errors.
+cp p.mha before.mha
+refused 2 "'p.mha' must end in .vdb" p.mha -o p.mha --parallel
+cmp -s p.mha before.mha || fail "ct wrote over its input"
+refused 2 "--geometry: is missing" p.mha $out
+refused 2 "say it one way only" p.mha $out --parallel --cone 120,180
+refused 2 "--output is required" p.mha --parallel
+refused 2 "projections is required" $out --parallel
+refused 2 "--method" p.mha $out --parallel --method art
+refused 2 "whole numbers from 1" p.mha $out --parallel --size 0,0,0
+refused 2 "whole numbers from 1" p.mha $out --parallel --size 99999,1,1
+refused 2 "--spacing: must be positive" p.mha $out --parallel --spacing 0
+refused 2 "iterations 0" p.mha $out --parallel --iterations 0
+refused 2 "relaxation 2.5" p.mha $out --parallel --relaxation 2.5
+refused 2 "--subset: is for os-sart" p.mha $out --parallel --subset 3
+refused 2 "--iterations: is for iterative methods" p.mha $out --parallel --method fbp --iterations 3
+refused 2 "'fpb' must be a .vdb file, or fbp" p.mha $out --parallel --initial fpb
+refused 2 "--dark: needs --flat" counts.mha $out --parallel --dark dark.mha
+refused 2 "--rows: is for HDF5" p.mha $out --parallel --rows 0,1
+refused 2 "auto is for parallel beams" c.mha $out --cone 120,180 --axis-column auto
+refused 2 "must end in .png or .exr" p.mha $out --parallel --slices a.jpg
+printf 'bogus = 1\n' >bogus.toml
+refused 2 "bogus" p.mha $out --parallel --config bogus.toml
+expect_no_leftovers .
+expect_exit 0 "$raysweep" ct --help
+expect_output "--nonnegative"
+
+# Colour is no line integral.
+"$raysweep" light box.vdb -o lit.vdb --sky 1 --tolerance 0.5 --quiet
+"$raysweep" render lit.vdb -o colour.png --size 96,40 --quiet
+refused 1 "colour.png" colour.png $out --parallel $grid
+
+# A scan of a synchrotron.
+tooth=$data/ct/tomopy_tooth.h5
+if [ -f "$tooth" ]; then
+    ct "$tooth" -o tooth.vdb --method fbp --rows 0,0
+    expect_json report.json "abs(r['input']['axis_column'] - 296) <= 1 and r['input']['format'] == 'Data Exchange'"
+    expect_json report.json "r['input']['views'] == 181 and r['input']['height'] == 1"
+    refused 1 "it has rows 0 to 1" "$tooth" $out --rows 0,5
+    head -c 500000 "$tooth" >cut.h5
+    refused 1 "cannot read 'cut.h5'" cut.h5 $out
+    expect_match "truncated file"
+else
+    echo "tomopy_tooth.h5 is not on this machine: not tested with it"
+fi
+
+finish
