@@ -85,9 +85,6 @@ int run(const ProjectArguments& a) {
     writeProjections(a.output, projections, pitchOf(geometry));
     if (!a.geometryOutput.empty()) writeGeometry(a.geometryOutput, geometry);
     const nlohmann::ordered_json report = describe(projections, seconds);
-    if (thickest <= 0)
-        warning(a.common,
-                "no ray meets anything; check the geometry, --orbit-center, and that the detector is large enough");
     if (a.detector.photons > 0 && thickest > kDark)
         warning(a.common, "the largest line integral is " + brief(thickest, 3) +
                               ": no photon comes through; a lower --extinction makes it like a measured one (2 to 6)");
