@@ -156,7 +156,11 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
         usageError(command.count("--window") > 0 ? "--window" : "--cutoff", "is for fbp and fdk");
     }
     if (command.count("--subset") > 0 && method != Method::osSart) usageError("--subset", "is for os-sart");
-    if (a.subset < 0) usageError("--subset", "must be at least 1");
+    if (command.count("--subset") > 0 && a.subset < 1) usageError("--subset", "must be at least 1");
+    if (method == Method::fbp && !a.input.scan.cone.empty())
+        usageError("--method", "fbp is for parallel beams; a cone takes fdk");
+    if (method == Method::fdk && a.input.scan.parallel)
+        usageError("--method", "fdk is for cones; parallel beams take fbp");
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
         usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
     if (a.spacing && !(*a.spacing > 0 && std::isfinite(*a.spacing))) usageError("--spacing", "must be positive");
@@ -166,6 +170,7 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
     a.sart.seed = a.common.seed;
     a.fbp.window = kWindows.at(a.window);
     a.fbp.nonNegative = a.nonNegative;
+    a.fbp.tolerance = float(a.sart.tolerance);
     if (a.nonNegative) a.sart.lower = 0;
     try {
         a.sart.validate();
@@ -268,6 +273,10 @@ struct Reconstruction {
 /// Filtered backprojection needs a value for every ray.
 openvdb::FloatGrid::Ptr filtered(const CtArguments& a, const CtInput& input, const ReconstructionGrid& grid,
                                  const ProgressCallback& progress) {
+    if (input.saturated > 0)
+        warning(a.common, std::to_string(input.saturated) +
+                              " saturated values are taken as if they were measured; "
+                              "iterative methods know better");
     const std::string amiss = scanWarning(input.geometry);
     if (!amiss.empty()) warning(a.common, amiss);
     if (input.notMeasured == 0) return filteredBackprojection(input.projections, input.geometry, grid, a.fbp, progress);

@@ -142,7 +142,9 @@ void addCtInputOptions(CLI::App& app, CtInputArguments& a) {
     app.add_option("--flat", a.flat, "Frames without object: then PROJ holds counts, not line integrals")
         ->type_name("FILE");
     app.add_option("--dark", a.dark, "Frames without beam")->type_name("FILE");
-    app.add_option("--rows", a.rows, "HDF5: these detector rows only, first to last")->type_name("R0,R1");
+    app.add_option("--rows", a.rows,
+                   "HDF5: these detector rows only, first to last; --center-row counts from the first of them")
+        ->type_name("R0,R1");
     app.add_option("--scale", a.scale, "Factor on line integrals")->type_name("X");
     app.add_option("--saturation", a.saturation, "Line integrals at or above it say only: at least as much");
     app.add_flag("--dead-pixels", a.deadPixels, "Look for pixels that do not measure, and leave them out");
@@ -160,7 +162,13 @@ void completeOptions(CtInputArguments& a) {
         usageError("--flat", "HDF5 files hold their own flat and dark frames");
     if (!hdf5 && !a.rows.empty()) usageError("--rows", "is for HDF5 files");
     if (!a.dark.empty() && a.flat.empty()) usageError("--dark", "needs --flat as well");
-    if (a.scale) requireFactor(*a.scale, "--scale");
+    if (!a.rows.empty() && !a.scan.cone.empty() && !a.scan.centerRow)
+        usageError("--rows", "with --cone needs --center-row, counted from the first of these rows");
+    const auto requirePositive = [](const std::optional<double>& value, const char* option) {
+        if (value && !(*value > 0 && std::isfinite(*value))) usageError(option, "must be positive and finite");
+    };
+    requirePositive(a.scale, "--scale");
+    requirePositive(a.saturation, "--saturation");
     if (hdf5 && a.scan.geometry.empty() && a.scan.cone.empty()) a.scan.parallel = true;
     if (a.axisColumn.empty() && hdf5 && a.scan.parallel) a.axisColumn = kAuto;
     if (a.axisColumn == kAuto && !a.scan.parallel) usageError("--axis-column", "auto is for parallel beams");

@@ -135,7 +135,8 @@ void requireFitting(const CLI::App& command, const std::string& kind) {
     if (kind != "sphere") refuse({"--soft"}, "the sphere");
     if (!hasShapes(kind)) refuse({"--projections"}, "shepp-logan and box-with-holes");
     if (command.count("--projections") == 0)
-        for (const char* name : {"--geometry", "--parallel", "--cone", "--views", "--arc", "--detector", "--pitch"})
+        for (const char* name : {"--geometry", "--parallel", "--cone", "--views", "--arc", "--first-angle",
+                                 "--detector", "--pitch", "--center-row", "--orbit-center"})
             if (command.count(name) > 0) usageError(name, "needs --projections as well");
     if (kind == kRoom && command.count("--volume") > 0) refuse({"--voxel-size"}, "volumes made from nothing");
     if (kind == kRoom && command.count("--volume") == 0) refuse({"--volume-grid", "--crop-slices"}, "--volume");

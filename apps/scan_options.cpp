@@ -54,6 +54,10 @@ CircularOrbit orbitOf(const ScanArguments& a, const MeasuredScan* measured, cons
         orbit.height = measured->height;
         orbit.views = measured->views;
         if (!a.arc) orbit.angles = measured->angles;
+        for (double& angle : orbit.angles) angle += a.firstAngle;
+        if (a.views > 0 && a.views != measured->views)
+            usageError("--views",
+                       std::to_string(a.views) + ", but there are " + std::to_string(measured->views) + " projections");
         if (measured->spacing) {
             orbit.pixelWidth = std::abs((*measured->spacing)[0]);
             orbit.pixelHeight = std::abs((*measured->spacing)[1]);
@@ -71,8 +75,8 @@ CircularOrbit orbitOf(const ScanArguments& a, const MeasuredScan* measured, cons
         orbit.pixelWidth = pitch[0];
         orbit.pixelHeight = pitch[1];
     }
-    orbit.axisColumn = a.axisColumn.value_or(-1);
-    orbit.centerRow = a.centerRow.value_or(-1);
+    orbit.axisColumn = a.axisColumn;
+    orbit.centerRow = a.centerRow;
     if (!a.center.empty()) orbit.center = parseVec3(a.center, "--orbit-center");
     return orbit;
 }

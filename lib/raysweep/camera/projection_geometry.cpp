@@ -66,8 +66,8 @@ void CircularOrbit::validate() const {
     require(height > 0, "height", height, "at least 1");
     require(positive(pixelWidth), "pixelWidth", pixelWidth, "positive and finite");
     require(positive(pixelHeight), "pixelHeight", pixelHeight, "positive and finite");
-    require(std::isfinite(axisColumn), "axisColumn", axisColumn, "finite");
-    require(std::isfinite(centerRow), "centerRow", centerRow, "finite");
+    require(std::isfinite(axisColumn.value_or(0)), "axisColumn", axisColumn.value_or(0), "finite");
+    require(std::isfinite(centerRow.value_or(0)), "centerRow", centerRow.value_or(0), "finite");
     require(isFinite(center), "center", center, "finite");
 }
 
@@ -78,8 +78,8 @@ ProjectionGeometry circularGeometry(const CircularOrbit& orbit) {
     geometry.width = orbit.width;
     geometry.height = orbit.height;
     const bool cone = orbit.beam == BeamShape::cone;
-    const double axisColumn = orbit.axisColumn < 0 ? 0.5 * (orbit.width - 1) : orbit.axisColumn;
-    const double centerRow = orbit.centerRow < 0 ? 0.5 * (orbit.height - 1) : orbit.centerRow;
+    const double axisColumn = orbit.axisColumn.value_or(0.5 * (orbit.width - 1));
+    const double centerRow = orbit.centerRow.value_or(0.5 * (orbit.height - 1));
     std::vector<double> angles = orbit.angles;
     for (int n = 0; n < orbit.views && orbit.angles.empty(); ++n)
         angles.push_back(orbit.firstAngle + orbit.arc * n / orbit.views);

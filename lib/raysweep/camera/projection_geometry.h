@@ -3,6 +3,7 @@
 
 #include "raysweep/core/types.h"
 
+#include <optional>
 #include <vector>
 
 namespace raysweep {
@@ -50,9 +51,10 @@ struct CircularOrbit {
     int width = 256, height = 256;  ///< pixels, > 0
     double pixelWidth = 1;          ///< distance of columns, world units at the detector, > 0
     double pixelHeight = 1;         ///< distance of rows, likewise
-    double axisColumn = -1;         ///< column onto which the axis falls, 0 is the middle of the first; < 0: the middle
-    double centerRow = -1;          ///< row that the central ray or plane z = `center.z` meets; < 0: the middle
-    Vec3 center{0};                 ///< point on the axis that the central ray passes, world units
+    /// Column onto which the axis falls, and row that the central ray, or the plane z = `center.z`, meets; 0 is the
+    /// middle of the first, and both may lie off the detector. The middle, if not given.
+    std::optional<double> axisColumn, centerRow;
+    Vec3 center{0};  ///< point on the axis that the central ray passes, world units
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;

@@ -7,8 +7,8 @@
 
 namespace raysweep {
 
-/// Called now and then from the calling thread of a long computation with the stage's name and the fraction done in
-/// [0,1]. The name may be followed by ": " and how it goes, "reconstructing: residual 0.02". Returning false asks the computation to stop at the next convenient place and to return what it has.
+/// Called now and then from the thread that called, with the stage's name, maybe ": " and how it goes, and the fraction
+/// done in [0,1]. Returning false asks the work to stop at the next convenient place and to return what it has.
 using ProgressCallback = std::function<bool(const std::string& stage, double fraction)>;
 
 /// Reports to `callback` if there is one. @return false when the computation should stop.

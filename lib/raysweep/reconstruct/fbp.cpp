@@ -202,7 +202,8 @@ std::vector<float> backprojectBlock(const FilteredViews& views, const Reconstruc
 
 using Leaves = std::vector<std::unique_ptr<Leaf>>;
 
-Leaves leavesOf(const std::vector<float>& sums, const ReconstructionGrid& where, int i, int j, bool nonNegative) {
+Leaves leavesOf(const std::vector<float>& sums, const ReconstructionGrid& where, int i, int j,
+                const FbpOptions& options) {
     const int count = where.dims.z;
     Leaves leaves;
     for (int k = 0; k < count; k += kEdge) {
@@ -212,7 +213,8 @@ Leaves leavesOf(const std::vector<float>& sums, const ReconstructionGrid& where,
             if (k + local.z() >= count) continue;
             const float value =
                 sums[std::size_t(local.x() * kEdge + local.y()) * std::size_t(count) + std::size_t(k + local.z())];
-            if (nonNegative ? value > 0 : value != 0) leaf->setValueOn(offset, value);
+            if (options.nonNegative ? value > options.tolerance : std::abs(value) > options.tolerance)
+                leaf->setValueOn(offset, value);
         }
         if (!leaf->isEmpty()) leaves.push_back(std::move(leaf));
     }
@@ -236,6 +238,8 @@ void requireInFront(const FilteredViews& views, const ReconstructionGrid& where)
 void FbpOptions::validate() const {
     if (!(cutoff > 0 && cutoff <= 1))
         throw InvalidArgument("cutoff is " + std::to_string(cutoff) + ", but must be in (0,1]");
+    if (!(tolerance >= 0 && std::isfinite(tolerance)))
+        throw InvalidArgument("tolerance is " + std::to_string(tolerance) + ", but must be 0 or more, and finite");
 }
 
 std::string scanWarning(const ProjectionGeometry& geometry) {
@@ -282,7 +286,7 @@ openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, c
         std::vector<Leaves> made(std::size_t((where.dims.y + kEdge - 1) / kEdge));
         parallelFor(made.size(), [&](std::size_t block) {
             const int j = int(block) * kEdge;
-            made[block] = leavesOf(backprojectBlock(filtered, where, i, j), where, i, j, options.nonNegative);
+            made[block] = leavesOf(backprojectBlock(filtered, where, i, j), where, i, j, options);
         });
         for (Leaves& leaves : made)
             for (auto& leaf : leaves) grid->tree().addLeaf(leaf.release());

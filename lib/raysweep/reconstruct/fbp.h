@@ -16,6 +16,7 @@ struct FbpOptions {
     RampWindow window = RampWindow::ramLak;  ///< see RampWindow
     double cutoff = 1;         ///< where the window ends, of the highest frequency that the detector resolves, in (0,1]
     bool nonNegative = false;  ///< densities below 0 become 0
+    float tolerance = 0;       ///< voxels this close to 0 are left out, 1/world unit, >= 0
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;
@@ -27,8 +28,9 @@ struct FbpOptions {
 /// Practical cone-beam algorithm, J. Opt. Soc. Am. A 1 (1984), exact in the sources' plane; less than a full turn with
 /// Parker's weights. Both after Kak and Slaney, Principles of Computerized Tomographic Imaging (1988), chapter 3.
 /// Detectors may be shifted; rows that are not at right angles to the axis are filtered as if they were. Saturation is
-/// not known to it. The grid "density" has all voxels that are not 0; the same bits for any number of threads. If
-/// `progress` asks to stop, the rest of the volume is empty. Memory: the volume and one copy of the projections.
+/// not known to it. The grid "density" has all voxels that are further than the tolerance from 0; the same bits for any
+/// number of threads. If `progress` asks to stop, the rest of the volume is empty. Memory: the volume and one copy of
+/// the projections.
 /// @throw InvalidArgument if projections and geometry differ in size, naming the first pixel that is not finite, if the
 /// grid reaches a source, as fitOrbit, and as validate.
 openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, const ProjectionGeometry& geometry,

@@ -134,7 +134,7 @@ std::vector<Pair> opposites(const std::vector<double>& angles) {
 double lostDetail(const std::vector<Pair>& pairs, int width) {
     double reach = 0;
     for (const Pair& pair : pairs) reach = std::max({reach, pair.view.reach, pair.opposite.reach});
-    return std::clamp(0.5 * width * reach * kPi / 180, 1.0, width / 24.0);
+    return std::max(1.0, std::min(0.5 * width * reach * kPi / 180, width / 24.0));
 }
 
 /// Gaussian of standard deviation `sigma`; columns beyond the ends are like the last ones.
@@ -154,12 +154,30 @@ void smooth(double* row, int width, double sigma) {
     }
 }
 
-/// Some rows of `estimate`, evenly chosen.
-void appendRows(const Projections& projections, const Estimate& estimate, double sigma, Rows& to) {
-    const int width = projections.width, rows = std::min(projections.height, kMostRows);
+/// Some rows, evenly chosen among those of which every view measured a part.
+std::vector<std::size_t> measuredRows(const Projections& projections) {
+    const std::size_t width = std::size_t(projections.width);
+    std::vector<std::size_t> measured, chosen;
+    for (std::size_t y = 0; y < std::size_t(projections.height); ++y) {
+        bool all = true;
+        for (int view = 0; view < projections.views && all; ++view) {
+            const float* row = projections.view(view) + y * width;
+            all = std::any_of(row, row + width, [](float value) { return std::isfinite(value); });
+        }
+        if (all) measured.push_back(y);
+    }
+    if (measured.empty())
+        throw InvalidArgument("no detector row was measured in all views: the axis cannot be found; give its column");
+    const std::size_t rows = std::min(measured.size(), std::size_t(kMostRows));
+    for (std::size_t n = 0; n < rows; ++n) chosen.push_back(measured[(2 * n + 1) * measured.size() / (2 * rows)]);
+    return chosen;
+}
+
+void appendRows(const Projections& projections, const std::vector<std::size_t>& rows, const Estimate& estimate,
+                double sigma, Rows& to) {
+    const int width = projections.width;
     Projections row(width, 1, 1);
-    for (int n = 0; n < rows; ++n) {
-        const auto y = std::size_t(std::int64_t(2 * n + 1) * projections.height / (2 * rows));
+    for (const std::size_t y : rows) {
         std::vector<double> sum(std::size_t(width), 0.0);
         for (std::size_t v = 0; v < estimate.views.size(); ++v) {
             std::copy_n(projections.view(estimate.views[v]) + y * std::size_t(width), width, row.values.begin());
@@ -204,6 +222,7 @@ void requireSinogram(const Projections& projections, const std::vector<double>& 
     if (angles.size() != std::size_t(projections.views))
         throw InvalidArgument(std::to_string(angles.size()) + " angles do not fit " +
                               std::to_string(projections.views) + " views; there must be one for each");
+    if (angles.empty()) throw InvalidArgument("there are no views");
     for (const double angle : angles)
         if (!std::isfinite(angle)) throw InvalidArgument("the angles of the views must be finite");
     if (projections.width < 16)
@@ -218,10 +237,11 @@ RotationCenter findRotationCenter(const Projections& projections, const std::vec
     const std::vector<Pair> pairs = opposites(angles);
     const int width = projections.width;
     const double sigma = lostDetail(pairs, width);
+    const std::vector<std::size_t> rows = measuredRows(projections);
     Rows a{width, {}}, b{width, {}};
     for (const Pair& pair : pairs) {
-        appendRows(projections, pair.view, sigma, a);
-        appendRows(projections, pair.opposite, sigma, b);
+        appendRows(projections, rows, pair.view, sigma, a);
+        appendRows(projections, rows, pair.opposite, sigma, b);
     }
     const double leastVariance = kLeastVariance * (variance(a.values) + variance(b.values));
     const int margin = std::min(int(std::ceil(2 * sigma)), width / 12);

@@ -69,7 +69,7 @@ class Solver {
 
     /// One correction by `views`.
     RaySquares update(const std::vector<int>& views, double relaxation) {
-        rays_.resize(views.size());
+        rays_.resize(views.size());  // a pass's last subset may be smaller
         RaySquares squares;
         for (std::size_t n = 0; n < views.size(); ++n) {
             aim(rays_[n], geometry_, views[n], volume_.lattice());
@@ -97,6 +97,15 @@ class Solver {
     float leastLength_;
     std::vector<ViewRays> rays_;
 };
+
+void requireNoInfinity(const Projections& projections) {
+    for (std::size_t n = 0; n < projections.values.size(); ++n)
+        if (std::isinf(projections.values[n]))
+            throw InvalidArgument("view " + std::to_string(n / projections.pixelsPerView()) + ", row " +
+                                  std::to_string(n % projections.pixelsPerView() / std::size_t(projections.width)) +
+                                  ", column " + std::to_string(n % std::size_t(projections.width)) +
+                                  " is infinite; make it NaN if it was not measured");
+}
 
 float largest(const Projections& projections) {
     float most = 0;
@@ -188,6 +197,7 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     geometry.validate();
     grid.validate();
     requireMatching(geometry, projections);
+    requireNoInfinity(projections);
 
     const auto transform = grid.transform();
     const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0),

@@ -55,7 +55,7 @@ struct SartPoint {
     int updates;      ///< so far
     double residual;  ///< RMS of what rays fell short of, each when its turn came since the last point, relative to the
                       ///< RMS of their line integrals
-    double rms;  ///< RMS difference to the reference over all voxels of the grid; NaN without one
+    double rms;       ///< RMS difference to the reference over all voxels of the grid; NaN without one
 };
 
 struct SartResult {
@@ -64,7 +64,7 @@ struct SartResult {
     SartTermination termination = SartTermination::iterations;
     int updates = 0;             ///< corrections made
     double seconds = 0;          ///< spent on updates
-    std::size_t keptVoxels = 0;  ///< in the support
+    std::size_t keptVoxels = 0;  ///< in the support, in blocks of 8x8x16
     int viewsSeeing = 0;         ///< views in which the grid falls on the detector
     std::size_t raysUsed = 0;    ///< in one pass: measured, and meeting the support
 };
@@ -77,8 +77,8 @@ struct SartVolumes {
 };
 
 /// The volume whose line integrals come near to `projections`.
-/// Memory: the volume, one more with `totalVariation` or a reference, and for each view that corrects it together with
-/// others two pictures. The same bits for any number of threads.
+/// Memory: the volume, and its grid at the end; one more each with `totalVariation` and with a reference; four pictures
+/// for each view that corrects together with others. The same bits for any number of threads.
 /// @throw InvalidArgument for options out of bounds; projections that do not fit the geometry; a geometry of which no
 /// ray meets the grid; grids of other lattices.
 SartResult sart(const Projections& projections, const ProjectionGeometry& geometry, const ReconstructionGrid& grid,

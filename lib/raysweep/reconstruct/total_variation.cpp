@@ -38,11 +38,12 @@ void copyWithHalo(const ColumnVolume& volume, std::size_t tile, HaloTile& to) {
         }
 }
 
-/// Keeps the length of a gradient away from 0, relative to differences that matter (densities are about 1).
-constexpr float kSmooth = 1e-8f;
+/// Differences below this part of the largest value do not matter: keeps the length of a gradient away from 0.
+constexpr float kSmallest = 1e-4f;
 
 /// Derivative of the total variation by each voxel of a tile.
-void gradientOf(HaloTile& f, HaloTile& lengths, int count, float* gradient) {
+/// @param smooth square of a difference that does not matter
+void gradientOf(HaloTile& f, HaloTile& lengths, int count, float smooth, float* gradient) {
     lengths.length = f.length;
     lengths.values.resize(f.values.size());
     for (int x = 0; x <= kTileEdge; ++x)
@@ -51,7 +52,7 @@ void gradientOf(HaloTile& f, HaloTile& lengths, int count, float* gradient) {
             float* length = lengths.column(x, y);
             for (int z = 0; z <= count; ++z) {
                 const float dx = here[z] - left[z], dy = here[z] - before[z], dz = here[z] - here[z - 1];
-                length[z] = std::sqrt(dx * dx + dy * dy + dz * dz + kSmooth);
+                length[z] = std::sqrt(dx * dx + dy * dy + dz * dz + smooth);
             }
         }
     for (int x = 0; x < kTileEdge; ++x)
@@ -65,6 +66,12 @@ void gradientOf(HaloTile& f, HaloTile& lengths, int count, float* gradient) {
                               (right[z] - here[z]) / rightLength[z] - (behind[z] - here[z]) / behindLength[z] -
                               (here[z + 1] - here[z]) / length[z + 1];
         }
+}
+
+float largestIn(const ColumnVolume& volume) {
+    float largest = 0;
+    for (std::size_t i = 0; i < volume.storedVoxels(); ++i) largest = std::max(largest, std::abs(volume.tile(0)[i]));
+    return largest;
 }
 
 template <class Term>
@@ -90,12 +97,14 @@ double changeLength(const ColumnVolume& a, const ColumnVolume& b) {
 
 void lowerTotalVariation(ColumnVolume& volume, ColumnVolume& scratch, double change, int steps, float lower,
                          float upper) {
+    const float least = kSmallest * largestIn(volume), smooth = least * least;
+    if (!(smooth > 0)) return;
     for (int step = 0; step < steps; ++step) {
         parallelFor(volume.tileCount(), [&](std::size_t tile) {
             if (volume.voxelsOf(tile) == 0) return;
             thread_local HaloTile values, lengths;
             copyWithHalo(volume, tile, values);
-            gradientOf(values, lengths, volume.ranges()[tile].length(), scratch.tile(tile));
+            gradientOf(values, lengths, volume.ranges()[tile].length(), smooth, scratch.tile(tile));
         });
         const double length = std::sqrt(sumOverVoxels(scratch, [&](std::size_t tile, std::size_t i) {
             return double(scratch.tile(tile)[i]) * scratch.tile(tile)[i];

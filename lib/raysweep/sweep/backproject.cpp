@@ -163,6 +163,7 @@ void readyRays(ViewRays& rays, int dimZ) {
 void backprojectTile(const ColumnVolume& layout, std::size_t tile, const std::vector<ViewRays>& views, float* values,
                      float* weights) {
     const std::size_t count = layout.voxelsOf(tile);
+    if (count == 0) return;
     std::memset(values, 0, count * sizeof(float));
     std::memset(weights, 0, count * sizeof(float));
     HWY_DYNAMIC_DISPATCH(backprojectTileDispatched)(layout, tile, views, values, weights);

@@ -115,14 +115,14 @@ void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid, const ope
         forEachVoxel(volume, t, [&](int x, int y, int z, const openvdb::Coord& index) {
             float value = 0;
             if (!values.probeValue(index + shift, value)) return;
-            const_cast<float*>(volume.column(t, x, y))[z - volume.ranges()[t].low] = value;
+            volume.column(t, x, y)[z - volume.ranges()[t].low] = value;
         });
     });
 }
 
 ColumnVolume columnsOf(const openvdb::FloatGrid& grid, const ColumnLattice& lattice) {
     std::vector<ColumnRange> kept(std::size_t(tilesFor(lattice.dims.x)) * tilesFor(lattice.dims.y));
-    const ColumnVolume empty(lattice, kept);
+    const int tilesY = tilesFor(lattice.dims.y);
     for (auto value = grid.cbeginValueOn(); value; ++value) {
         openvdb::CoordBBox box;
         value.getBoundingBox(box);
@@ -136,7 +136,7 @@ ColumnVolume columnsOf(const openvdb::FloatGrid& grid, const ColumnLattice& latt
         const int from = low.z() / kColumnChunk * kColumnChunk, to = roundedUp(high.z() + 1);
         for (int x = low.x() / kTileEdge; x <= high.x() / kTileEdge && low.x() <= high.x(); ++x)
             for (int y = low.y() / kTileEdge; y <= high.y() / kTileEdge && low.y() <= high.y(); ++y) {
-                ColumnRange& range = kept[std::size_t(x) * empty.tilesY() + y];
+                ColumnRange& range = kept[std::size_t(x) * tilesY + y];
                 range = range.length() == 0 ? ColumnRange{from, to}
                                             : ColumnRange{std::min(range.low, from), std::max(range.high, to)};
             }

@@ -74,6 +74,10 @@ class ColumnVolume {
         return this->tile(tile) + std::size_t(number) * ranges_[tile].length();
     }
 
+    float* column(std::size_t tile, int x, int y) {
+        return const_cast<float*>(static_cast<const ColumnVolume*>(this)->column(tile, x, y));
+    }
+
     /// The voxels of another volume that keeps the same.
     void copyFrom(const ColumnVolume& other);
 

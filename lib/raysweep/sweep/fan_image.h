@@ -19,7 +19,8 @@ class FanImage {
     /// All numbers 0 if the size changes; else they stay.
     void resize(int columns, int length) {
         const std::size_t stride = (std::size_t(length) + 15) / 16 * 16 + 2 * kMargin;
-        if (stride == stride_ && data_.size() == stride * std::size_t(columns)) return;
+        if (length == length_ && data_.size() == stride * std::size_t(columns)) return;
+        length_ = length;
         stride_ = stride;
         data_.assign(stride * std::size_t(columns), 0.0f);
     }
@@ -28,6 +29,7 @@ class FanImage {
     const float* column(int n) const { return data_.data() + std::size_t(n) * stride_ + kMargin; }
 
   private:
+    int length_ = 0;
     std::size_t stride_ = 0;
     std::vector<float> data_;
 };

@@ -81,9 +81,9 @@ FanLine fanLine(const ViewFootprint& f, const Index3& dims, int column) {
     return line;
 }
 
-/// True if a column of the detector is nearer to z than to x and y: then slices of x or y are too far apart for it.
+/// True if a ray is nearer to z than to x and y: then slices of x or y are too far apart for it.
 bool isSteep(const ViewFootprint& f) {
-    for (const int column : {0, f.width - 1})
+    for (int column = 0; column < f.width; ++column)  // of a row, z is extreme at an end; x and y need not be
         for (const int row : {0, f.height - 1}) {
             const Vec3 d = pixelRay(f, column, row).direction;
             if (std::abs(d.z) > std::max(std::abs(d.x), std::abs(d.y))) return true;

@@ -16,7 +16,8 @@ struct ViewRays {
     FanImage levelValues, levelWeights;
 };
 
-/// Rays of that view, all numbers 0. `rays` may be those of another view: their memory is used again.
+/// Rays of that view. `rays` may be those of another one: their memory is used again, and their numbers stay if the
+/// sizes are the same; otherwise all are 0.
 void aim(ViewRays& rays, const ProjectionGeometry& geometry, int view, const ColumnLattice& lattice);
 
 /// Sets `values` to the line integrals A x, and `weights` to A 1, those of a volume that is 1 wherever voxels are kept

@@ -81,6 +81,27 @@ TEST(RotationCenter, NoiseAndGapsDoNoHarm) {
     EXPECT_LT(center.mismatch, 0.05);
 }
 
+TEST(RotationCenter, RowsThatWereNotMeasuredAreLeftOut) {
+    const std::vector<double> angles = anglesFrom(0, 1, 181);
+    const Projections measured = sinogram(lopsidedBody(), 256, 120.4, angles);
+    Projections two(256, 2, 181);
+    for (int view = 0; view < 181; ++view) {
+        std::fill_n(two.view(view), 256, std::numeric_limits<float>::quiet_NaN());
+        std::copy_n(measured.view(view), 256, two.view(view) + 256);
+    }
+    EXPECT_NEAR(findRotationCenter(two, angles).column, 120.4, kTenth);
+    for (int view = 0; view < 181; ++view) two.view(view)[300] = two.view(view)[0];
+    std::fill(two.view(7), two.view(7) + 512, std::numeric_limits<float>::quiet_NaN());
+    EXPECT_THROW(findRotationCenter(two, angles), InvalidArgument);
+}
+
+TEST(RotationCenter, NarrowDetectorsWork) {
+    const std::vector<double> angles = anglesFrom(0, 2, 91);
+    for (const int width : {16, 20})
+        EXPECT_NEAR(findRotationCenter(sinogram({{1, 0.5, 3, 0.1}}, width, 0.5 * width, angles), angles).column,
+                    0.5 * width, 0.5);
+}
+
 TEST(RotationCenter, WhatCannotBeFoundIsRefused) {
     const std::vector<double> angles = anglesFrom(0, 1, 180), tooFew = anglesFrom(0, 1, 170);
     const Projections body = sinogram(lopsidedBody(), 256, 118.3, angles);

@@ -224,6 +224,19 @@ TEST(Sart, TotalVariationTakesNoiseAway) {
     EXPECT_LT(reconstruct(scan, options).history.back().rms, 0.85 * rough);
 }
 
+TEST(Sart, TotalVariationDoesNotKnowTheUnitOfLength) {
+    SmallScan scan = smallScan();
+    SartOptions options;
+    options.iterations = 2;
+    options.totalVariation = 0.8;
+    const double expected = reconstruct(scan, options).history.back().residual;
+    scan.phantom = nullptr;
+    for (XrayView& view : scan.geometry.views)
+        for (Vec3* v : {&view.origin, &view.column, &view.row}) *v *= 1000;
+    scan.grid.spacing *= 1000;
+    EXPECT_NEAR(reconstruct(scan, options).history.back().residual, expected, 1e-3 * expected);
+}
+
 TEST(Sart, StopsWhenTheResidualIsSmallOrTheUserSaysSo) {
     const SmallScan scan = smallScan();
     SartOptions options;
@@ -274,6 +287,9 @@ TEST(Sart, RefusesWhatDoesNotFit) {
     EXPECT_THROW(
         sart(scan.projections, scan.geometry, scan.grid, SartOptions(), {nullptr, makeBoxWithHoles(PhantomOptions())}),
         InvalidArgument);
+    Projections infinite = scan.projections;
+    infinite.values[7] = std::numeric_limits<float>::infinity();
+    EXPECT_THROW(sart(infinite, scan.geometry, scan.grid, SartOptions()), InvalidArgument);
     SartOptions options;
     options.relaxation = 2;
     EXPECT_THROW(options.validate(), InvalidArgument);
