@@ -20,7 +20,10 @@ END
 
 # box.vdb is 40x40x20 world units, with three holes, in a grid of 64x64x32.
 "$raysweep" generate box-with-holes --dims 64,64,32 --voxel-size 1 -o box.vdb
-"$raysweep" project box.vdb -o p.mha --parallel --views 30 --detector 96,40
+if ! "$raysweep" project box.vdb -o p.mha --parallel --views 30 --detector 96,40 2>.err && grep -q "ITK" .err; then
+    echo "this build has no ITK, which writes MetaImage: not tested"
+    exit 77
+fi
 "$raysweep" project box.vdb -o c.mha --cone 120,180 --views 30 --detector 128,64 --write-geometry c.json
 "$raysweep" project box.vdb -o p.exr --parallel --views 30 --detector 96,40
 grid="--size 64,64,32 --spacing 1"
@@ -164,7 +167,7 @@ for picture in slices.png plot.svg; do [ -s $picture ] || fail "there is no $pic
 
 # Ctrl-C: the volume so far, and 130.
 (trap - INT && exec "$raysweep" ct p.mha --parallel -o stopped.vdb $grid --iterations 1000000 --report report.json) >.out 2>.err &
-sleep 2
+sleep 1
 kill -INT $!
 wait $!
 [ $? = 130 ] || fail "Ctrl-C did not end with 130"
