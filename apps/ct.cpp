@@ -71,7 +71,7 @@ bool isVdb(const std::string& path) {
 void addMethodOptions(CLI::App& app, CtArguments& a) {
     app.option_defaults()->group("Method");
     app.add_option("--method", a.method,
-                   "sart: view after view; os-sart: some together; sirt: all together; fbp, fdk: in one step")
+                   "sart: view after view; os-sart: some together; sirt: all together; fbp, fdk (cones): in one step")
         ->check(CLI::IsMember(kMethods).description(""))
         ->type_name("sart|os-sart|sirt|fbp|fdk")
         ->capture_default_str();
@@ -157,10 +157,6 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
     }
     if (command.count("--subset") > 0 && method != Method::osSart) usageError("--subset", "is for os-sart");
     if (command.count("--subset") > 0 && a.subset < 1) usageError("--subset", "must be at least 1");
-    if (method == Method::fbp && !a.input.scan.cone.empty())
-        usageError("--method", "fbp is for parallel beams; a cone takes fdk");
-    if (method == Method::fdk && a.input.scan.parallel)
-        usageError("--method", "fdk is for cones; parallel beams take fbp");
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
         usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
     if (a.spacing && !(*a.spacing > 0 && std::isfinite(*a.spacing))) usageError("--spacing", "must be positive");

@@ -53,11 +53,9 @@ CircularOrbit orbitOf(const ScanArguments& a, const MeasuredScan* measured, cons
         orbit.width = measured->width;
         orbit.height = measured->height;
         orbit.views = measured->views;
-        if (!a.arc) orbit.angles = measured->angles;
+        // With another number of views than there are the error is that they do not match.
+        if (!a.arc && (a.views == 0 || a.views == measured->views)) orbit.angles = measured->angles;
         for (double& angle : orbit.angles) angle += a.firstAngle;
-        if (a.views > 0 && a.views != measured->views)
-            usageError("--views",
-                       std::to_string(a.views) + ", but there are " + std::to_string(measured->views) + " projections");
         if (measured->spacing) {
             orbit.pixelWidth = std::abs((*measured->spacing)[0]);
             orbit.pixelHeight = std::abs((*measured->spacing)[1]);
