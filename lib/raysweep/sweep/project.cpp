@@ -4,6 +4,8 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/sweep/oblique.h"
 
+#include <hwy/cache_control.h>
+
 #include <vector>
 
 #include "raysweep/sweep/simd_targets.h"
@@ -40,6 +42,15 @@ class BesideLine {
         beside[1] = column(slice, low + 1, upper);
     }
 
+    /// Asks for the columns of a slice to come.
+    HWY_INLINE void prefetch(int slice) const {
+        constexpr int kLine = 16;
+        Beside beside[2];
+        at(slice, beside);
+        for (const Beside& b : beside)
+            for (int z = 0; b.voxels && z < b.range.length(); z += kLine) hwy::Prefetch(b.voxels + z);
+    }
+
   private:
     Beside column(int slice, int lateral, float weight) const {
         if (lateral < 0 || lateral >= lateralCount_) return {};
@@ -54,6 +65,8 @@ class BesideLine {
     const FanLine& line_;
     int lateralCount_;
 };
+
+constexpr int kAhead = 4;  ///< slices: how far ahead columns are asked for
 
 /// One column of voxels with zeros around it, and how much of the two columns beside the ray it covers.
 struct Scratch {
@@ -74,6 +87,7 @@ void projectLevel(const ColumnVolume& volume, const FanLine& line, int rowCount,
     const int dimZ = volume.lattice().dims.z;
     Beside beside[2];
     for (int slice = line.slices.first; slice < line.slices.last; ++slice) {
+        if (slice + kAhead < line.slices.last) columns.prefetch(slice + kAhead);
         columns.at(slice, beside);
         for (const Beside& b : beside) {
             if (!b.voxels) continue;
