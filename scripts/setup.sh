@@ -5,13 +5,13 @@ set -euo pipefail
 
 packages=(
     build-essential cmake ninja-build ccache git
-    libopenvdb-dev libboost-iostreams-dev libblosc-dev libtbb-dev libimath-dev libopenexr-dev libopenimageio-dev
+    libopenvdb-dev libboost-iostreams-dev libblosc-dev libtbb-dev libimath-dev libopenexr-dev libopenimageio-dev openimageio-tools
     libhwy-dev libcli11-dev nlohmann-json3-dev libkissfft-dev libhdf5-dev libpugixml-dev
     libinsighttoolkit5-dev libdcmtk-dev zlib1g-dev
     libgtest-dev libbenchmark-dev clang-format gnuplot-nox python3
 )
 case "${1:-}" in
-    --tests) packages+=(blender) ;;
+    --tests) packages+=(blender python3-numpy) ;;
     "") ;;
     *) echo "usage: scripts/setup.sh [--tests]" >&2 && exit 2 ;;
 esac

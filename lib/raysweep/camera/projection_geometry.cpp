@@ -1,9 +1,8 @@
 #include "raysweep/camera/projection_geometry.h"
 
-#include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 
 #include <cmath>
-#include <sstream>
 
 namespace raysweep {
 namespace {
@@ -34,14 +33,6 @@ void requireView(const XrayView& view, BeamShape beam, const std::string& name) 
     }
 }
 
-template <class Value>
-void require(bool good, const char* field, const Value& value, const char* bound) {
-    if (good) return;
-    std::ostringstream message;
-    message << "orbit " << field << " " << value << ": must be " << bound;
-    throw InvalidArgument(message.str());
-}
-
 }  // namespace
 
 void ProjectionGeometry::validate() const {
@@ -55,20 +46,20 @@ void ProjectionGeometry::validate() const {
 void CircularOrbit::validate() const {
     const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
     if (beam == BeamShape::cone) {
-        require(positive(sourceToAxis), "sourceToAxis", sourceToAxis, "positive and finite");
-        require(positive(sourceToDetector), "sourceToDetector", sourceToDetector, "positive and finite");
+        requireField(positive(sourceToAxis), "orbit sourceToAxis", sourceToAxis, "positive and finite");
+        requireField(positive(sourceToDetector), "orbit sourceToDetector", sourceToDetector, "positive and finite");
     }
-    for (const double angle : angles) require(std::isfinite(angle), "angle", angle, "finite");
-    require(views > 0, "views", views, "at least 1");
-    require(std::isfinite(firstAngle), "firstAngle", firstAngle, "finite");
-    require(std::isfinite(arc) && arc != 0, "arc", arc, "finite and not 0");
-    require(width > 0, "width", width, "at least 1");
-    require(height > 0, "height", height, "at least 1");
-    require(positive(pixelWidth), "pixelWidth", pixelWidth, "positive and finite");
-    require(positive(pixelHeight), "pixelHeight", pixelHeight, "positive and finite");
-    require(std::isfinite(axisColumn.value_or(0)), "axisColumn", axisColumn.value_or(0), "finite");
-    require(std::isfinite(centerRow.value_or(0)), "centerRow", centerRow.value_or(0), "finite");
-    require(isFinite(center), "center", center, "finite");
+    for (const double angle : angles) requireField(std::isfinite(angle), "orbit angle", angle, "finite");
+    requireField(views > 0, "orbit views", views, "at least 1");
+    requireField(std::isfinite(firstAngle), "orbit firstAngle", firstAngle, "finite");
+    requireField(std::isfinite(arc) && arc != 0, "orbit arc", arc, "finite and not 0");
+    requireField(width > 0, "orbit width", width, "at least 1");
+    requireField(height > 0, "orbit height", height, "at least 1");
+    requireField(positive(pixelWidth), "orbit pixelWidth", pixelWidth, "positive and finite");
+    requireField(positive(pixelHeight), "orbit pixelHeight", pixelHeight, "positive and finite");
+    requireField(std::isfinite(axisColumn.value_or(0)), "orbit axisColumn", axisColumn.value_or(0), "finite");
+    requireField(std::isfinite(centerRow.value_or(0)), "orbit centerRow", centerRow.value_or(0), "finite");
+    requireField(isFinite(center), "orbit center", center, "finite");
 }
 
 ProjectionGeometry circularGeometry(const CircularOrbit& orbit) {

@@ -6,6 +6,18 @@
 
 namespace raysweep {
 
+RayPlace placeOf(const Projections& projections, std::size_t index) {
+    const std::size_t width = std::size_t(projections.width), perView = projections.pixelsPerView();
+    return {index / perView, index % perView / width, index % width};
+}
+
+float largestValue(const Projections& projections) {
+    float largest = 0;
+    for (const float value : projections.values)
+        if (value > largest) largest = value;  // NaN is not
+    return largest;
+}
+
 void requireMatching(const ProjectionGeometry& geometry, const Projections& projections) {
     const auto require = [](std::size_t ofGeometry, int ofImages, const char* what) {
         if (ofGeometry != std::size_t(ofImages))

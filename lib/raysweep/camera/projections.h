@@ -27,6 +27,15 @@ struct Projections {
     const float* view(int n) const { return values.data() + n * pixelsPerView(); }
 };
 
+/// Which ray a value is of; all counted from 0.
+struct RayPlace {
+    std::size_t view, row, column;
+};
+RayPlace placeOf(const Projections& projections, std::size_t index);
+
+/// The largest value that was measured; 0 if none is above it.
+float largestValue(const Projections& projections);
+
 /// @throw InvalidArgument if views, columns or rows differ in number; it says both numbers.
 void requireMatching(const ProjectionGeometry& geometry, const Projections& projections);
 

@@ -1,5 +1,7 @@
 #include "raysweep/core/memory.h"
 
+#include "raysweep/core/error.h"
+
 #include <unistd.h>
 
 #include <fstream>
@@ -32,6 +34,20 @@ std::size_t physicalBytes() {
 
 void resetPeak() {
     std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+void requireBytes(double bytes, const std::string& what, const std::string& instead) {
+    const auto available = double(physicalBytes());
+    if (bytes > available)
+        throw InvalidArgument(what + " " + std::to_string(std::size_t(bytes / 1e9)) + " GB, this machine has " +
+                              std::to_string(std::size_t(available / 1e9)) + " GB; " + instead);
+}
+
+void requireMemory(double blocks, std::size_t bytesPerVoxel) {
+    constexpr int kBlockVoxels = 8 * 8 * 8;
+    requireBytes(blocks * kBlockVoxels * double(bytesPerVoxel),
+                 "the volume's " + std::to_string(std::size_t(blocks)) + " blocks of 8x8x8 voxels need",
+                 "use a coarser grid");
 }
 
 }  // namespace raysweep

@@ -1,12 +1,11 @@
 #include "raysweep/reconstruct/detector.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <sstream>
 
 namespace raysweep {
 namespace {
@@ -30,15 +29,11 @@ void addNoise(Projections& projections, double photons, std::uint32_t seed) {
 }  // namespace
 
 void DetectorModel::validate() const {
-    const auto require = [](bool good, const char* field, double value, const char* bound) {
-        if (good) return;
-        std::ostringstream message;
-        message << "detector " << field << " " << value << ": must be " << bound;
-        throw InvalidArgument(message.str());
-    };
-    require(photons >= 0 && std::isfinite(photons), "photons", photons, "0 (no noise) or more, and finite");
-    require(saturation >= 0 && std::isfinite(saturation), "saturation", saturation, "0 (none) or more, and finite");
-    require(bits >= 0 && bits <= 24, "bits", bits, "0 (no rounding) to 24");
+    requireField(photons >= 0 && std::isfinite(photons), "detector photons", photons,
+                 "0 (no noise) or more, and finite");
+    requireField(saturation >= 0 && std::isfinite(saturation), "detector saturation", saturation,
+                 "0 (none) or more, and finite");
+    requireField(bits >= 0 && bits <= 24, "detector bits", bits, "0 (no rounding) to 24");
 }
 
 void detect(Projections& projections, const DetectorModel& model) {
@@ -49,9 +44,7 @@ void detect(Projections& projections, const DetectorModel& model) {
         for (float& value : projections.values) value = std::min(value, projections.saturation);
     }
     if (model.bits > 0) {
-        float most = 0;
-        for (const float value : projections.values)
-            if (value > most) most = value;
+        const float most = largestValue(projections);
         const float levels = float((1 << model.bits) - 1);
         if (most > 0)
             for (float& value : projections.values)

@@ -19,13 +19,14 @@ namespace {
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
 void requireFinite(const Projections& projections) {
-    const std::size_t width = std::size_t(projections.width), perView = projections.pixelsPerView();
-    for (std::size_t n = 0; n < projections.values.size(); ++n)
-        if (!std::isfinite(projections.values[n]))
-            throw InvalidArgument("view " + std::to_string(n / perView) + ", column " + std::to_string(n % width) +
-                                  ", row " + std::to_string(n % perView / width) + ": the value is " +
-                                  std::to_string(projections.values[n]) +
-                                  "; filtered backprojection needs all pixels, so fill in what was not measured");
+    for (std::size_t n = 0; n < projections.values.size(); ++n) {
+        if (std::isfinite(projections.values[n])) continue;
+        const RayPlace place = placeOf(projections, n);
+        throw InvalidArgument("view " + std::to_string(place.view) + ", column " + std::to_string(place.column) +
+                              ", row " + std::to_string(place.row) + ": the value is " +
+                              std::to_string(projections.values[n]) +
+                              "; filtered backprojection needs all pixels, so fill in what was not measured");
+    }
 }
 
 /// The turn that the views make, and what each stands for.
@@ -39,12 +40,9 @@ struct Scan {
           angles(scanAngles(orbit.angles, geometry.beam == BeamShape::cone ? 2 * kPi : kPi)),
           cone(geometry.beam == BeamShape::cone) {}
 
-    /// Without the part along the axis.
-    Vec3 inPlane(const Vec3& v) const { return v - orbit.axis * v.dot(orbit.axis); }
-
     /// From the source's line to the axis, in the orbit's plane and sense, radians.
     double fanAngle(const XrayView& view, const Vec3& pixel) const {
-        const Vec3 toAxis = inPlane(orbit.center - view.source), ray = inPlane(pixel - view.source);
+        const Vec3 toAxis = orbit.inPlane(orbit.center - view.source), ray = orbit.inPlane(pixel - view.source);
         return std::atan2(toAxis.cross(ray).dot(orbit.axis), toAxis.dot(ray));
     }
 
@@ -52,7 +50,8 @@ struct Scan {
     /// line twice, and the cosine of its angle with the ray to the axis.
     double weight(const XrayView& view, std::size_t n, const Vec3& pixel) const {
         if (!cone) return angles.weights[n];
-        const double cosine = (pixel - view.source).normalized().dot(inPlane(orbit.center - view.source).normalized());
+        const double cosine =
+            (pixel - view.source).normalized().dot(orbit.inPlane(orbit.center - view.source).normalized());
         if (angles.closed) return 0.5 * angles.weights[n] * cosine;
         const double turned = orbit.angles[n] - angles.begin;
         const double beta = turned - 2 * kPi * std::floor(turned / (2 * kPi));
@@ -62,9 +61,9 @@ struct Scan {
     /// What filtering pixels as if their distance were 1, and backprojecting with 1/depth², leaves to be done: 1/pitch,
     /// and for cones distance of source and axis over that of source and detector, both in the orbit's plane.
     double scale(const XrayView& view) const {
-        const Vec3 column = inPlane(view.column);
+        const Vec3 column = orbit.inPlane(view.column);
         if (!cone) return 1 / column.cross(view.direction).length();
-        const Vec3 normal = inPlane(view.column.cross(view.row)).normalized();
+        const Vec3 normal = orbit.inPlane(view.column.cross(view.row)).normalized();
         // Where the detector's plane meets the orbit's: a row's direction there, at right angles to `normal`.
         const Vec3 facing = view.column.cross(view.row);
         const double distance = std::abs((view.origin - view.source).dot(facing) / normal.dot(facing));

@@ -14,6 +14,9 @@ struct OrbitFit {
     double radius = 0;           ///< cone: of the sources' circle, world units
     std::vector<double> angles;  ///< of each view's source as seen from the axis, radians, in [0, 2 pi), in the axis'
                                  ///< right-handed sense
+
+    /// Without the part along the axis.
+    Vec3 inPlane(const Vec3& v) const { return v - axis * v.dot(axis); }
 };
 
 /// @throw InvalidArgument if a cone's sources do not lie on a circle (within 2 % of its radius) or are fewer than 3, or

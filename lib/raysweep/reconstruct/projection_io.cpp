@@ -62,11 +62,11 @@ void checkFinite(Projections& projections, const std::string& path, bool repair)
         if (repair) value = std::numeric_limits<float>::quiet_NaN();
     }
     if (bad == 0 || repair) return;
-    const auto width = std::size_t(projections.width), pixels = projections.pixelsPerView();
+    const RayPlace place = placeOf(projections, first);
     throw InvalidArgument("'" + path + "' has " + std::to_string(bad) + (bad > 1 ? " values" : " value") + " that " +
                           (bad > 1 ? "are" : "is") + " NaN or infinite, the first in view " +
-                          std::to_string(first / pixels) + ", row " + std::to_string(first % pixels / width) +
-                          ", column " + std::to_string(first % width) +
+                          std::to_string(place.view) + ", row " + std::to_string(place.row) + ", column " +
+                          std::to_string(place.column) +
                           " (all counted from 0); use --repair to leave such rays out as not measured");
 }
 

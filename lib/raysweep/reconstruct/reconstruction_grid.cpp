@@ -22,7 +22,6 @@ struct Seen {
 Seen seenOf(const ProjectionGeometry& geometry, const OrbitFit& orbit) {
     const bool cone = geometry.beam == BeamShape::cone;
     const double middleX = 0.5 * (geometry.width - 1), middleY = 0.5 * (geometry.height - 1);
-    const auto inPlane = [&](const Vec3& v) { return v - orbit.axis * v.dot(orbit.axis); };
     Seen seen;
     for (const XrayView& view : geometry.views) {
         // Of the way from source to detector, the part that leads to the axis; parallel rays do not spread.
@@ -31,8 +30,8 @@ Seen seenOf(const ProjectionGeometry& geometry, const OrbitFit& orbit) {
         seen.pixel = std::min({seen.pixel, part * view.column.length(), part * view.row.length()});
         for (const double x : {-0.5, geometry.width - 0.5}) {
             const Vec3 p = view.pixel(x, middleY);
-            const Vec3 ray = inPlane(cone ? p - view.source : view.direction).normalized();
-            seen.radius = std::max(seen.radius, ray.cross(inPlane(orbit.center - p)).length());
+            const Vec3 ray = orbit.inPlane(cone ? p - view.source : view.direction).normalized();
+            seen.radius = std::max(seen.radius, ray.cross(orbit.inPlane(orbit.center - p)).length());
         }
         for (const double y : {-0.5, geometry.height - 0.5}) {
             const Vec3 p = view.pixel(middleX, y);

@@ -1,5 +1,6 @@
 #include "raysweep/render/cell_blocks.h"
 
+#include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/volume/brick_grids.h"
 

@@ -1,9 +1,9 @@
 #include "raysweep/sweep/column_volume.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
 
-#include <unistd.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -78,12 +78,10 @@ ColumnVolume::ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange
     for (std::size_t t = 0; t < ranges_.size(); ++t)
         offsets_[t + 1] = offsets_[t] + std::size_t(ranges_[t].length()) * kTileColumns;
     const std::size_t bytes = storedVoxels() * sizeof(float);
-    const double available = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-    if (double(bytes) > available)
-        throw InvalidArgument("a volume of " + std::to_string(lattice.dims.x) + "x" + std::to_string(lattice.dims.y) +
-                              "x" + std::to_string(lattice.dims.z) + " voxels needs " +
-                              std::to_string(std::size_t(double(bytes) / 1e9)) + " GB, this machine has " +
-                              std::to_string(std::size_t(available / 1e9)) + " GB; use larger voxels");
+    requireBytes(double(bytes),
+                 "a volume of " + std::to_string(lattice.dims.x) + "x" + std::to_string(lattice.dims.y) + "x" +
+                     std::to_string(lattice.dims.z) + " voxels needs",
+                 "use larger voxels");
     constexpr std::size_t kCacheLine = 64;
     data_.reset(static_cast<float*>(std::aligned_alloc(kCacheLine, std::max(bytes, kCacheLine))));
     if (!data_) throw std::bad_alloc();

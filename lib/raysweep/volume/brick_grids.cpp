@@ -1,10 +1,9 @@
 #include "raysweep/volume/brick_grids.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/volume/grid_transform.h"
-
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -94,15 +93,6 @@ BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert
 }
 
 }  // namespace
-
-void requireMemory(double bricks, std::size_t bytesPerVoxel) {
-    const double needed = bricks * kBrickVoxels * double(bytesPerVoxel);
-    const double available = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-    if (needed > available)
-        throw InvalidArgument("the volume's " + std::to_string(std::size_t(bricks)) + " blocks of 8x8x8 voxels need " +
-                              std::to_string(std::size_t(needed / 1e9)) + " GB, this machine has " +
-                              std::to_string(std::size_t(available / 1e9)) + " GB; use a coarser grid");
-}
 
 BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, std::size_t bytesPerVoxel) {
     BrickLayout layout;

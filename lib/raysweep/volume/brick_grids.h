@@ -6,9 +6,6 @@
 
 namespace raysweep {
 
-/// @throw InvalidArgument if so many bricks need more memory than the machine has.
-void requireMemory(double bricks, std::size_t bytesPerVoxel);
-
 /// Bricks that cover every active voxel and active tile of `grids`, which must share one linear transform.
 /// @param bytesPerVoxel what the caller will allocate per voxel of a brick
 /// @throw InvalidArgument for a transform that is not linear or is singular, grids whose transforms differ, active

@@ -1,8 +1,8 @@
 #include "raysweep/volume/coarsen.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/volume/brick_grids.h"
 #include "raysweep/volume/grid_transform.h"
 
 #include <algorithm>
