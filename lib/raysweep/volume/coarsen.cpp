@@ -17,6 +17,9 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::Vec3d;
 using openvdb::Vec3s;
+using LeafMask = openvdb::FloatTree::LeafNodeType::NodeMaskType;
+constexpr int kLeafEdge = int(openvdb::FloatTree::LeafNodeType::DIM);
+constexpr int kLeafVoxels = kLeafEdge * kLeafEdge * kLeafEdge;
 
 // Sums of many voxels are made in double precision.
 double inDouble(float v) {
@@ -86,15 +89,15 @@ CoordBBox leavesAt(const CoordBBox& box, double resolution) {
     CoordBBox leaves;
     for (int axis = 0; axis < 3; ++axis) {
         const Row row(box.min()[axis], box.max()[axis], resolution);
-        leaves.min()[axis] = row.first & ~(kBrickEdge - 1);
-        leaves.max()[axis] = row.last & ~(kBrickEdge - 1);
+        leaves.min()[axis] = row.first & ~(kLeafEdge - 1);
+        leaves.max()[axis] = row.last & ~(kLeafEdge - 1);
     }
     return leaves;
 }
 
 double countOf(const CoordBBox& leaves) {
     double count = 1;
-    for (int axis = 0; axis < 3; ++axis) count *= (double(leaves.max()[axis]) - leaves.min()[axis]) / kBrickEdge + 1;
+    for (int axis = 0; axis < 3; ++axis) count *= (double(leaves.max()[axis]) - leaves.min()[axis]) / kLeafEdge + 1;
     return count;
 }
 
@@ -108,9 +111,9 @@ std::vector<Meeting> meetings(const std::vector<Block<GridType>>& blocks, double
     std::vector<Meeting> all;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
         const CoordBBox leaves = leavesAt(blocks[b].box, resolution);
-        for (int x = leaves.min().x(); x <= leaves.max().x(); x += kBrickEdge)
-            for (int y = leaves.min().y(); y <= leaves.max().y(); y += kBrickEdge)
-                for (int z = leaves.min().z(); z <= leaves.max().z(); z += kBrickEdge)
+        for (int x = leaves.min().x(); x <= leaves.max().x(); x += kLeafEdge)
+            for (int y = leaves.min().y(); y <= leaves.max().y(); y += kLeafEdge)
+                for (int z = leaves.min().z(); z <= leaves.max().z(); z += kLeafEdge)
                     all.push_back({Coord(x, y, z), b});
     }
     std::sort(all.begin(), all.end());
@@ -133,7 +136,7 @@ class LeafSums {
         for (int axis = 0; axis < 3; ++axis)
             for (int i = low[axis]; i <= high[axis]; ++i) rows.push_back(row(axis, i, i));
         for (auto on = block.leaf->cbeginValueOn(); on; ++on)
-            addBox(rows[on.pos() >> 6], rows[kBrickEdge + ((on.pos() >> 3) & 7)], rows[2 * kBrickEdge + (on.pos() & 7)],
+            addBox(rows[on.pos() >> 6], rows[kLeafEdge + ((on.pos() >> 3) & 7)], rows[2 * kLeafEdge + (on.pos() & 7)],
                    *on);
     }
 
@@ -162,14 +165,14 @@ class LeafSums {
     Row row(int axis, int from, int to) const {
         Row row(from, to, resolution_);
         row.first = std::max(row.first, origin_[axis]);
-        row.last = std::min(row.last, origin_[axis] + kBrickEdge - 1);
+        row.last = std::min(row.last, origin_[axis] + kLeafEdge - 1);
         return row;
     }
 
     Coord origin_;
     double resolution_;
-    decltype(inDouble(typename GridType::ValueType())) sums_[kBrickVoxels] = {};
-    BrickMask active_;
+    decltype(inDouble(typename GridType::ValueType())) sums_[kLeafVoxels] = {};
+    LeafMask active_;
 };
 
 /// The coarse leaf at `meeting.leaf` lies in a single tile: it becomes one too.
@@ -178,7 +181,7 @@ bool isInTile(const Meeting& meeting, const Block<GridType>& block, double resol
     if (block.leaf) return false;
     for (int axis = 0; axis < 3; ++axis) {
         const Row row(block.box.min()[axis], block.box.max()[axis], resolution);
-        if (row.low > meeting.leaf[axis] || row.high < meeting.leaf[axis] + kBrickEdge) return false;
+        if (row.low > meeting.leaf[axis] || row.high < meeting.leaf[axis] + kLeafEdge) return false;
     }
     return true;
 }
