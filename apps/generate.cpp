@@ -3,11 +3,11 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
-#include "raysweep/reconstruct/exact_projections.h"
-#include "raysweep/volume/ct_phantoms.h"
-#include "raysweep/volume/engine_room.h"
+#include "raysweep/phantoms/ct_phantoms.h"
+#include "raysweep/phantoms/engine_room.h"
+#include "raysweep/phantoms/exact_projections.h"
+#include "raysweep/phantoms/phantom.h"
 #include "raysweep/volume/grid_select.h"
-#include "raysweep/volume/phantom.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/vdb_io.h"
 

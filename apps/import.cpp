@@ -3,8 +3,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/formats/volume_import.h"
 #include "raysweep/volume/vdb_io.h"
-#include "raysweep/volume/volume_import.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>

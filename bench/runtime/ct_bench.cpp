@@ -1,8 +1,8 @@
 // Time of a SART update: one view projected, compared and backprojected; 256x256x110 voxels, views of 384x256 rays.
 #include "raysweep/camera/projection_geometry.h"
-#include "raysweep/reconstruct/exact_projections.h"
+#include "raysweep/phantoms/exact_projections.h"
+#include "raysweep/phantoms/solid_shapes.h"
 #include "raysweep/reconstruct/sart.h"
-#include "raysweep/volume/solid_shapes.h"
 
 #include "triad.h"
 

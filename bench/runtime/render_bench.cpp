@@ -1,8 +1,8 @@
 // Time of pictures: of making a volume ready, and of a ray.
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/progress.h"
+#include "raysweep/phantoms/phantom.h"
 #include "raysweep/render/render.h"
-#include "raysweep/volume/phantom.h"
 
 #include <benchmark/benchmark.h>
 

@@ -1,7 +1,7 @@
 /// make_volume KIND OUT.vdb: volumes for the tests of the command line that `raysweep generate` does not make, most of
 /// them with something wrong. Where nothing else is said: a box of 12x10x8 voxels of 0.1 units with density 1.
+#include "raysweep/phantoms/phantom.h"
 #include "raysweep/volume/grids.h"
-#include "raysweep/volume/phantom.h"
 #include "raysweep/volume/vdb_io.h"
 
 #include <openvdb/points/PointConversion.h>

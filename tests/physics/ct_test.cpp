@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "raysweep/formats/volume_import.h"
+#include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/reconstruct/sart.h"
 #include "raysweep/sweep/project_grid.h"
-#include "raysweep/volume/ct_phantoms.h"
-#include "raysweep/volume/volume_import.h"
 
 using namespace raysweep;
 

@@ -1,7 +1,7 @@
 // Filtered backprojection of exact projections, against what they were made of.
 #include "raysweep/reconstruct/fbp.h"
-#include "raysweep/reconstruct/exact_projections.h"
-#include "raysweep/volume/ct_phantoms.h"
+#include "raysweep/phantoms/ct_phantoms.h"
+#include "raysweep/phantoms/exact_projections.h"
 
 #include <gtest/gtest.h>
 

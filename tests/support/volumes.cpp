@@ -8,8 +8,8 @@
 #include <random>
 #include <stdexcept>
 
+#include "raysweep/phantoms/phantom.h"
 #include "raysweep/sweep/directions.h"
-#include "raysweep/volume/phantom.h"
 
 namespace raysweep::test {
 namespace {

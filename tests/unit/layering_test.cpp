@@ -11,8 +11,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::vector<std::string> kModules = {"core",  "image",      "volume", "camera",     "sweep",
-                                           "scene", "illuminate", "render", "reconstruct"};
+const std::vector<std::string> kModules = {"core",   "image", "camera", "volume",     "formats", "phantoms",
+                                           "bricks", "sweep", "scene",  "illuminate", "render",  "reconstruct"};
 
 std::size_t rankOf(const std::string& module) {
     return std::size_t(std::find(kModules.begin(), kModules.end(), module) - kModules.begin());

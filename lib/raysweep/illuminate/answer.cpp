@@ -1,8 +1,8 @@
 #include "raysweep/illuminate/answer.h"
 
+#include "raysweep/bricks/field_grids.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/estimate.h"
-#include "raysweep/illuminate/lit_grids.h"
 
 #include <algorithm>
 

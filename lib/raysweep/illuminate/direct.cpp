@@ -1,8 +1,8 @@
 #include "raysweep/illuminate/direct.h"
 
+#include "raysweep/bricks/brick_grids.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/sweep/diverging_front.h"
-#include "raysweep/volume/brick_grids.h"
 
 #include <algorithm>
 #include <cmath>

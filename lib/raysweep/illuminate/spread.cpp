@@ -1,6 +1,6 @@
+#include "raysweep/bricks/gradient.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/estimate.h"
-#include "raysweep/volume/gradient.h"
 
 #include <utility>
 

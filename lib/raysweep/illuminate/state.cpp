@@ -1,10 +1,10 @@
 #include "raysweep/illuminate/state.h"
 
+#include "raysweep/bricks/brick_grids.h"
+#include "raysweep/bricks/brick_map.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/quad.h"
-#include "raysweep/volume/brick_grids.h"
-#include "raysweep/volume/brick_map.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
 

@@ -1,8 +1,8 @@
 /// What the solver holds while it works: fields over the bricks, and the books of power.
 #pragma once
 
+#include "raysweep/bricks/surface.h"
 #include "raysweep/illuminate/illuminate.h"
-#include "raysweep/volume/surface.h"
 
 #include <cmath>
 

@@ -1,8 +1,8 @@
 #include "raysweep/illuminate/surface_radiosity.h"
 
+#include "raysweep/bricks/padded_brick.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/estimate.h"
-#include "raysweep/volume/padded_brick.h"
 
 #include <algorithm>
 #include <cmath>

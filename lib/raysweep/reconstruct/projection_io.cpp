@@ -4,9 +4,9 @@
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/formats/itk_volume.h"
+#include "raysweep/formats/volume_files.h"
 #include "raysweep/image/image_io.h"
-#include "raysweep/volume/itk_volume.h"
-#include "raysweep/volume/volume_files.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "raysweep/render/cell_blocks.h"
 
+#include "raysweep/bricks/brick_grids.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/volume/brick_grids.h"
 
 #include <algorithm>
 #include <vector>

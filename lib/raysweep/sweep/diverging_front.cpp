@@ -1,8 +1,8 @@
 #include "raysweep/sweep/diverging_front.h"
 
+#include "raysweep/bricks/brick_map.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/volume/brick_map.h"
 
 #include <algorithm>
 #include <atomic>

@@ -30,10 +30,10 @@
 /// (Measured in docs/decisions/0005.)
 #pragma once
 
+#include "raysweep/bricks/bricks.h"
+#include "raysweep/bricks/surface.h"
 #include "raysweep/sweep/escape.h"
 #include "raysweep/sweep/front_rays.h"
-#include "raysweep/volume/bricks.h"
-#include "raysweep/volume/surface.h"
 
 namespace raysweep {
 

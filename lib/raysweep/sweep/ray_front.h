@@ -6,8 +6,8 @@
 /// order of travel.
 #pragma once
 
+#include "raysweep/bricks/bricks.h"
 #include "raysweep/sweep/axis.h"
-#include "raysweep/volume/bricks.h"
 
 #include <cstdint>
 #include <vector>

@@ -2,9 +2,9 @@
 /// rays and voxels exchange is in exchange.h.
 #pragma once
 
+#include "raysweep/bricks/brick_map.h"
 #include "raysweep/sweep/exchange.h"
 #include "raysweep/sweep/tile_index.h"
-#include "raysweep/volume/brick_map.h"
 
 #include <array>
 #include <optional>

@@ -1,9 +1,9 @@
 /// Which bricks a sweep along an axis meets, slice by slice: empty space is not in the list, so it costs nothing.
 #pragma once
 
+#include "raysweep/bricks/brick_map.h"
+#include "raysweep/bricks/bricks.h"
 #include "raysweep/sweep/axis.h"
-#include "raysweep/volume/brick_map.h"
-#include "raysweep/volume/bricks.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -6,7 +6,7 @@
 #define RAYSWEEP_SWEEP_TRANSPOSE_INL_H
 #endif
 
-#include "raysweep/volume/bricks.h"
+#include "raysweep/bricks/bricks.h"
 
 #include <hwy/highway.h>
 

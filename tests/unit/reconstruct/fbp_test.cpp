@@ -2,7 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/reconstruct/exact_projections.h"
+#include "raysweep/phantoms/exact_projections.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Projections come back from files as they were written, and files that hold none are refused.
 #include "raysweep/reconstruct/projection_io.h"
 
+#include "raysweep/formats/itk_volume.h"
 #include "raysweep/image/image_io.h"
-#include "raysweep/volume/itk_volume.h"
 
 #include <cstring>
 #include <filesystem>

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/reconstruct/support.h"
 #include "raysweep/sweep/project_grid.h"
-#include "raysweep/volume/ct_phantoms.h"
 
 using namespace raysweep;
 

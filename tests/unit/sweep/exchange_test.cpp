@@ -8,10 +8,10 @@
 #include <map>
 #include <sstream>
 
+#include "raysweep/bricks/brick_map.h"
 #include "raysweep/core/error.h"
 #include "raysweep/sweep/directions.h"
 #include "raysweep/sweep/sweep.h"
-#include "raysweep/volume/brick_map.h"
 
 using namespace raysweep;
 

@@ -12,9 +12,9 @@
 
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/phantoms/solid_shapes.h"
 #include "raysweep/sweep/backproject.h"
 #include "raysweep/sweep/project_grid.h"
-#include "raysweep/volume/solid_shapes.h"
 
 using namespace raysweep;
 

@@ -2,8 +2,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/phantoms/phantom.h"
 #include "raysweep/volume/coarsen.h"
-#include "raysweep/volume/phantom.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,148 @@
+#include "raysweep/bricks/brick_grids.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/memory.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/volume/grid_transform.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raysweep {
+namespace {
+
+// Of the bounding box, voxels: so far coordinates of rays and bricks are safe from overflow.
+constexpr std::int64_t kLongestEdge = 1 << 24;
+
+openvdb::Coord coordOf(const Index3& i) {
+    return {i.x, i.y, i.z};
+}
+
+/// Calls `visit(box)` for the bounding box of every leaf with active voxels and every active tile.
+template <class GridType, class Visit>
+void forEachActiveBlock(const GridType& grid, const Visit& visit) {
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
+        if (!leaf->isEmpty()) visit(leaf->getNodeBoundingBox());
+    auto tile = grid.tree().cbeginValueOn();
+    tile.setMaxDepth(GridType::TreeType::DEPTH - 2);
+    for (; tile; ++tile) visit(tile.getBoundingBox());
+}
+
+std::size_t brickCountOf(const openvdb::CoordBBox& box) {
+    const openvdb::Coord size = box.dim();
+    return (std::size_t(size.x()) / kBrickEdge) * (std::size_t(size.y()) / kBrickEdge) *
+           (std::size_t(size.z()) / kBrickEdge);
+}
+
+void addBricks(const openvdb::CoordBBox& box, std::vector<Index3>& origins) {
+    for (int x = box.min().x(); x <= box.max().x(); x += kBrickEdge)
+        for (int y = box.min().y(); y <= box.max().y(); y += kBrickEdge)
+            for (int z = box.min().z(); z <= box.max().z(); z += kBrickEdge) origins.emplace_back(x, y, z);
+}
+
+Matrix3 linearPart(const openvdb::GridBase& grid) {
+    requireLinear(grid);
+    const openvdb::Mat4R m = grid.transform().baseMap()->getAffineMap()->getMat4();
+    Matrix3 linear;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) linear[row][column] = m(row, column);
+    const auto edge = [&](int i) { return Vec3(linear[i][0], linear[i][1], linear[i][2]).length(); };
+    const double longest = std::max({edge(0), edge(1), edge(2)});
+    if (!(std::abs(linear.determinant()) > 1e-9 * longest * longest * longest))
+        throw InvalidArgument("grid '" + grid.getName() + "' has a singular transform: its voxels have no volume");
+    return linear;
+}
+
+/// Reads the voxels of one brick after another, with a cached path to the last one.
+template <class GridType>
+class BrickReader {
+  public:
+    explicit BrickReader(const GridType& grid) : accessor_(grid.tree()) {}
+
+    /// Calls `put(offset, value)` for each active voxel.
+    template <class Put>
+    void read(const Index3& origin, const Put& put) {
+        const openvdb::Coord corner = coordOf(origin);
+        if (const auto* leaf = accessor_.probeConstLeaf(corner)) {
+            for (auto value = leaf->cbeginValueOn(); value; ++value) put(value.pos(), *value);
+            return;
+        }
+        typename GridType::ValueType value;
+        if (accessor_.probeValue(corner, value))
+            for (openvdb::Index offset = 0; offset < kBrickVoxels; ++offset) put(offset, value);
+    }
+
+  private:
+    typename GridType::ConstUnsafeAccessor accessor_;
+};
+
+template <class GridType, class Convert>
+BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert& convert) {
+    BrickField field(layout.brickCount());
+    constexpr std::size_t kChunk = 64;
+    parallelFor((layout.brickCount() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+        BrickReader<GridType> reader(grid);
+        const std::size_t end = std::min(layout.brickCount(), (chunk + 1) * kChunk);
+        for (std::size_t b = chunk * kChunk; b < end; ++b) {
+            float* brick = field.brick(b);
+            reader.read(layout.origins[b],
+                        [&](openvdb::Index offset, const auto& value) { brick[offset] = convert(value); });
+        }
+    });
+    return field;
+}
+
+}  // namespace
+
+BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, std::size_t bytesPerVoxel) {
+    BrickLayout layout;
+    layout.worldFromIndex = linearPart(*grids.front());
+    layout.voxelVolume = std::abs(layout.worldFromIndex.determinant());
+    layout.activeVoxels = grids.front()->activeVoxelCount();
+    for (const auto& grid : grids) {
+        requireSameTransform(*grid, *grids.front());
+        withTypedGrid(*grid, [&](const auto& typed) {
+            std::size_t bricks = 0;
+            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bricks += brickCountOf(box); });
+            requireMemory(double(bricks), bytesPerVoxel);
+            layout.origins.reserve(layout.origins.size() + bricks);
+            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { addBricks(box, layout.origins); });
+        });
+    }
+    std::sort(layout.origins.begin(), layout.origins.end(), lessOrigin);
+    layout.origins.erase(std::unique(layout.origins.begin(), layout.origins.end()), layout.origins.end());
+
+    requireMemory(double(layout.origins.size()), bytesPerVoxel);
+
+    if (layout.origins.empty()) return layout;
+    layout.low = layout.high = layout.origins.front();
+    for (const Index3& origin : layout.origins)
+        for (int axis = 0; axis < 3; ++axis) {
+            layout.low[axis] = std::min(layout.low[axis], origin[axis]);
+            layout.high[axis] = std::max(layout.high[axis], origin[axis] + kBrickEdge);
+        }
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::int64_t(layout.high[axis]) - layout.low[axis] > kLongestEdge)
+            throw InvalidArgument("the volume's active voxels are more than " + std::to_string(kLongestEdge) +
+                                  " voxels apart; remove stray voxels or use a coarser grid");
+    return layout;
+}
+
+BrickField gatherField(const BrickLayout& layout, const openvdb::FloatGrid& grid, double scale) {
+    return gather(layout, grid, [scale](float value) { return float(value * scale); });
+}
+
+BrickField gatherChannel(const BrickLayout& layout, const openvdb::GridBase& grid, int channel, double scale) {
+    if (grid.isType<openvdb::FloatGrid>())
+        return gatherField(layout, static_cast<const openvdb::FloatGrid&>(grid), scale);
+    return gather(layout, dynamic_cast<const openvdb::Vec3SGrid&>(grid),
+                  [channel, scale](const openvdb::Vec3s& value) { return float(value[channel] * scale); });
+}
+
+BrickMask activeMask(const BrickLayout& layout, const openvdb::FloatGrid& topology, std::size_t b) {
+    const openvdb::Coord corner = coordOf(layout.origins[b]);
+    if (const auto* leaf = topology.tree().probeConstLeaf(corner)) return leaf->valueMask();
+    return BrickMask(topology.tree().isValueOn(corner));
+}
+
+}  // namespace raysweep

@@ -1,0 +1,96 @@
+#include "raysweep/bricks/surface.h"
+
+#include "raysweep/bricks/gradient.h"
+#include "raysweep/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace raysweep {
+namespace {
+
+constexpr int kBits = 10;
+constexpr PackedNormal kComponent = (1u << kBits) - 1, kPresent = 1u << (3 * kBits);
+
+/// @return true if the brick has a surface voxel
+bool findInBrick(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
+                 double perVoxel, double threshold, std::size_t b, NormalBrick& normals) {
+    const Matrix3 indexFromWorld = layout.worldFromIndex.inverse();
+    const double edge = std::cbrt(layout.voxelVolume);
+    PaddedBrick<float> opacity(layout, map, periodic, b, [&](std::size_t n) { return tau.brick(n); });
+    float* const values = &opacity.value[0][0][0];
+    std::transform(values, values + sizeof opacity.value / sizeof *values, values,
+                   [&](float t) { return float(-std::expm1(-double(t) * perVoxel)); });
+    bool any = false;
+    for (int i = 0; i < kBrickVoxels; ++i) {
+        const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
+        if (opacity.at(x, y, z) == 0) continue;
+        const Vec3 gradient = worldGradient(gradientAt(opacity, x, y, z), indexFromWorld);
+        const double length = gradient.length();
+        if (!(length * edge > threshold)) continue;
+        normals.normal[i] = packNormal(gradient / -length);
+        any = true;
+    }
+    return any;
+}
+
+}  // namespace
+
+PackedNormal packNormal(const Vec3& unit) {
+    PackedNormal packed = kPresent;
+    for (int axis = 0; axis < 3; ++axis)
+        packed |= (PackedNormal(std::lround(unit[axis] * double(kPackedSteps))) & kComponent) << (kBits * axis);
+    return packed;
+}
+
+Vec3 unpackNormal(PackedNormal normal) {
+    Vec3 unit;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto component = std::int32_t(normal >> (kBits * axis) & kComponent);
+        unit[axis] =
+            double(component >= 1 << (kBits - 1) ? component - (1 << kBits) : component) / double(kPackedSteps);
+    }
+    return unit;
+}
+
+Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
+                      double perVoxel, double threshold) {
+    const std::size_t bricks = layout.brickCount();
+    Surfaces surfaces;
+    surfaces.slots.assign(bricks, kNoSurface);
+    // In pieces, so that bricks without surface never hold memory all at once.
+    constexpr std::size_t kPiece = 1024;
+    std::vector<NormalBrick> found(std::min(bricks, kPiece));
+    std::vector<char> any(found.size());
+    for (std::size_t begin = 0; begin < bricks; begin += kPiece) {
+        const std::size_t count = std::min(kPiece, bricks - begin);
+        parallelFor(count, [&](std::size_t i) {
+            found[i] = {};
+            any[i] = findInBrick(layout, map, tau, periodic, perVoxel, threshold, begin + i, found[i]);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+            if (!any[i]) continue;
+            surfaces.slots[begin + i] = std::uint32_t(surfaces.bricks.size());
+            surfaces.bricks.push_back(found[i]);
+        }
+    }
+    return surfaces;
+}
+
+std::size_t countSurfaceVoxels(const Surfaces& surfaces) {
+    std::size_t count = 0;
+    for (const NormalBrick& brick : surfaces.bricks)
+        for (const PackedNormal normal : brick.normal) count += normal != 0;
+    return count;
+}
+
+PackedNormal* addSurfaceBrick(Surfaces& surfaces, std::size_t brickCount, std::size_t b) {
+    surfaces.slots.resize(brickCount, kNoSurface);
+    if (surfaces.slots[b] == kNoSurface) {
+        surfaces.slots[b] = std::uint32_t(surfaces.bricks.size());
+        surfaces.bricks.emplace_back();
+    }
+    return surfaces.bricks[surfaces.slots[b]].normal;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,28 @@
+/// What passes between the library and the module `raysweep_medical`, which holds ITK and what it stands on: some 35
+/// shared libraries, loaded when a file needs them.
+#pragma once
+
+#include "raysweep/formats/itk_volume.h"
+
+namespace raysweep {
+
+/// To be counted up whenever something that passes changes.
+constexpr int kItkFormatsVersion = 1;
+struct ItkFormats {
+    int version;
+    StoredVolume (*volume)(const std::string& path, ItkFormat format, const ProgressCallback& progress);
+    StoredVolume (*series)(const std::vector<std::string>& files, const std::string& series, bool positions,
+                           const ProgressCallback& progress);
+    void (*write)(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
+                  const Vec3& spacing);
+};
+
+// In the module: see readItkVolume, readDicomSeries and writeMetaImage. Under names of their own, for which nothing can
+// stand in.
+StoredVolume itkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress);
+StoredVolume itkSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
+                       const ProgressCallback& progress);
+void itkWrite(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
+              const Vec3& spacing);
+
+}  // namespace raysweep

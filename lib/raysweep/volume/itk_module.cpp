@@ -1,8 +1,0 @@
-/// The way into the module `raysweep_medical`.
-#include "raysweep/volume/itk_formats.h"
-
-extern "C" const raysweep::ItkFormats* raysweepItkFormats() {
-    static constexpr raysweep::ItkFormats kFormats{raysweep::kItkFormatsVersion, raysweep::itkVolume,
-                                                   raysweep::itkSeries, raysweep::itkWrite};
-    return &kFormats;
-}

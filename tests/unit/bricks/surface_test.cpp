@@ -1,0 +1,81 @@
+#include "raysweep/bricks/surface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "raysweep/bricks/brick_map.h"
+#include "raysweep/bricks/gradient.h"
+
+using namespace raysweep;
+
+namespace {
+
+/// 2x2x2 bricks with corner at (-8,-8,-8), and a field over them.
+struct Block {
+    template <class Value>
+    explicit Block(const Value& value) {
+        for (int x = -8; x <= 0; x += 8)
+            for (int y = -8; y <= 0; y += 8)
+                for (int z = -8; z <= 0; z += 8) layout.origins.emplace_back(x, y, z);
+        layout.low = Index3(-8);
+        layout.high = Index3(8);
+        field = BrickField(layout.brickCount());
+        for (std::size_t b = 0; b < layout.brickCount(); ++b)
+            for (int i = 0; i < kBrickVoxels; ++i)
+                field.brick(b)[i] = float(value(layout.origins[b] + Index3(i >> 6, (i >> 3) & 7, i & 7)));
+    }
+
+    BrickLayout layout;
+    BrickField field;
+};
+
+}  // namespace
+
+TEST(SurfaceVoxels, PackedNormalsKeepTheirDirection) {
+    for (int i = 0; i < 1000; ++i) {
+        const double z = 1 - (i + 0.5) / 500, r = std::sqrt(1 - z * z);
+        const Vec3 normal(r * std::cos(2.4 * i), r * std::sin(2.4 * i), z);
+        EXPECT_NE(packNormal(normal), 0u);
+        EXPECT_LE((unpackNormal(packNormal(normal)) - normal).length(), 0.0017);  // half a step along each axis
+    }
+}
+
+TEST(SurfaceVoxels, GradientOfALinearFieldIsExactAcrossBricks) {
+    const Vec3 slope(0.5, -0.25, 2);
+    const Block block([&](const Index3& v) { return 100 + slope.dot(Vec3(v)); });
+    const BrickMap map(block.layout);
+    for (std::size_t b = 0; b < block.layout.brickCount(); ++b) {
+        const PaddedBrick<float> padded(block.layout, map, Periodic{}, b,
+                                        [&](std::size_t n) { return block.field.brick(n); });
+        const Index3 inner(block.layout.origins[b].x < 0 ? 7 : 0, block.layout.origins[b].y < 0 ? 7 : 0,
+                           block.layout.origins[b].z < 0 ? 7 : 0);  // the corner where all bricks meet
+        EXPECT_LE((gradientAt(padded, inner.x, inner.y, inner.z) - slope).length(), 1e-5);
+    }
+}
+
+TEST(SurfaceVoxels, OnlyTheLayerAtTheFaceOfASolidIsSurface) {
+    const Block block([](const Index3& v) { return v.z < 0 ? 4.6 : 0.0; });
+    const Surfaces surfaces =
+        findSurfaces(block.layout, BrickMap(block.layout), block.field, {true, true, false}, 1, 0.1);
+    // The upper face and, since outside of all bricks is empty, the lower one.
+    EXPECT_EQ(countSurfaceVoxels(surfaces), 2u * 16 * 16);
+    const BrickMap map(block.layout);
+    for (const auto& [voxel, up] : {std::pair(Index3(3, -5, -1), 1.0), std::pair(Index3(3, -5, -8), -1.0)}) {
+        const PackedNormal* const normals = surfaces.normals(map.find(voxel));
+        ASSERT_NE(normals, nullptr);
+        EXPECT_LE((unpackNormal(normals[offsetInBrick(voxel)]) - Vec3(0, 0, up)).length(), 1e-6);
+    }
+}
+
+TEST(SurfaceVoxels, NormalsAreWorldVectors) {
+    Block block([](const Index3& v) { return v.x + v.z < 0 ? 4.6 : 0.0; });
+    block.layout.worldFromIndex = Matrix3(1, 0, 0, 0, 1, 0, 0, 0, 3);  // z is stretched: the face leans towards x
+    block.layout.voxelVolume = 3;
+    const Surfaces surfaces = findSurfaces(block.layout, BrickMap(block.layout), block.field, {}, 1, 0.1);
+    const Index3 voxel(0, 0, -1);
+    const PackedNormal* const normals = surfaces.normals(BrickMap(block.layout).find(voxel));
+    ASSERT_NE(normals, nullptr);
+    const Vec3 exact = Vec3(3, 0, 1).normalized();
+    EXPECT_LE((unpackNormal(normals[offsetInBrick(voxel)]) - exact).length(), 0.003);
+}
