@@ -5,8 +5,8 @@
 /// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins).
 ///
 /// One call reconstructs a volume from X-rays: sart(projections, geometry, grid, options). In this order:
-/// camera/projection_geometry.h (where rays run), sweep/footprint.h (what they meet), sweep/project.h and
-/// sweep/backproject.h (both ways), reconstruct/sart.h.
+/// camera/projection_geometry.h (where rays run), projector/joseph.h (what they meet), projector/project.h and
+/// projector/backproject.h (both ways), reconstruct/sart.h.
 ///
 /// Quantities and units: docs/units.md.
 #pragma once
@@ -22,6 +22,7 @@
 #include "raysweep/phantoms/engine_room.h"
 #include "raysweep/phantoms/exact_projections.h"
 #include "raysweep/phantoms/phantom.h"
+#include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/data_exchange.h"
 #include "raysweep/reconstruct/detector.h"
 #include "raysweep/reconstruct/fbp.h"
@@ -34,7 +35,6 @@
 #include "raysweep/render/render.h"
 #include "raysweep/scene/scene.h"
 #include "raysweep/scene/sky_map.h"
-#include "raysweep/sweep/project_grid.h"
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/resample.h"

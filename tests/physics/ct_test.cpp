@@ -8,8 +8,8 @@
 
 #include "raysweep/formats/volume_import.h"
 #include "raysweep/phantoms/ct_phantoms.h"
+#include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/sart.h"
-#include "raysweep/sweep/project_grid.h"
 
 using namespace raysweep;
 

@@ -1,10 +1,10 @@
 #include "raysweep/reconstruct/sart.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/projector/backproject.h"
+#include "raysweep/projector/shadow.h"
 #include "raysweep/reconstruct/support.h"
 #include "raysweep/reconstruct/total_variation.h"
-#include "raysweep/sweep/backproject.h"
-#include "raysweep/sweep/shadow.h"
 
 #include <algorithm>
 #include <cmath>

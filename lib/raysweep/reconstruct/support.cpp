@@ -1,7 +1,7 @@
 #include "raysweep/reconstruct/support.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/sweep/shadow.h"
+#include "raysweep/projector/shadow.h"
 
 #include <algorithm>
 #include <cstdint>

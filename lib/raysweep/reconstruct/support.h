@@ -2,7 +2,7 @@
 #pragma once
 
 #include "raysweep/camera/projections.h"
-#include "raysweep/sweep/footprint.h"
+#include "raysweep/projector/joseph.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 /// Less noise, and edges that stay: total variation.
 #pragma once
 
-#include "raysweep/sweep/column_volume.h"
+#include "raysweep/projector/column_volume.h"
 
 namespace raysweep {
 

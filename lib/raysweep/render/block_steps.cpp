@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-#include "raysweep/sweep/simd_targets.h"
+#include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/render/block_steps.cpp"
 #include <hwy/foreach_target.h>

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "raysweep/sweep/simd_targets.h"
+#include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/sweep/exchange.cpp"
 #include <hwy/foreach_target.h>

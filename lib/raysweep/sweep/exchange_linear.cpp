@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "raysweep/sweep/simd_targets.h"
+#include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/sweep/exchange_linear.cpp"
 #include <hwy/foreach_target.h>

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "raysweep/sweep/simd_targets.h"
+#include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/sweep/exchange_nearest.cpp"
 #include <hwy/foreach_target.h>

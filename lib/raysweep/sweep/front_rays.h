@@ -2,7 +2,7 @@
 #pragma once
 
 #include "raysweep/sweep/beam.h"
-#include "raysweep/sweep/tile_index.h"
+#include "raysweep/sweep/brick_index.h"
 
 #include <cstddef>
 #include <vector>

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "raysweep/bricks/brick_map.h"
+#include "raysweep/sweep/brick_index.h"
 #include "raysweep/sweep/exchange.h"
-#include "raysweep/sweep/tile_index.h"
 
 #include <array>
 #include <optional>

@@ -7,8 +7,8 @@
 
 #include "raysweep/core/parallel.h"
 #include "raysweep/phantoms/ct_phantoms.h"
+#include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/support.h"
-#include "raysweep/sweep/project_grid.h"
 
 using namespace raysweep;
 

@@ -1,4 +1,4 @@
-#include "raysweep/sweep/column_volume.h"
+#include "raysweep/projector/column_volume.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"

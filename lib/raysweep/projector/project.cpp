@@ -1,20 +1,20 @@
 // Volume to detector. Each task owns columns of the detector, so sums have one order whatever the number of threads.
-#include "raysweep/sweep/project.h"
+#include "raysweep/projector/project.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/sweep/oblique.h"
+#include "raysweep/projector/oblique.h"
 
 #include <hwy/cache_control.h>
 
 #include <vector>
 
-#include "raysweep/sweep/simd_targets.h"
+#include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "raysweep/sweep/project.cpp"
+#define HWY_TARGET_INCLUDE "raysweep/projector/project.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "raysweep/sweep/column_kernels-inl.h"
+#include "raysweep/projector/column_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raysweep {

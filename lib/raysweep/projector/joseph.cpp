@@ -1,4 +1,4 @@
-#include "raysweep/sweep/footprint.h"
+#include "raysweep/projector/joseph.h"
 
 #include "raysweep/sweep/axis.h"
 

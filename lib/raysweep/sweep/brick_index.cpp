@@ -1,4 +1,4 @@
-#include "raysweep/sweep/tile_index.h"
+#include "raysweep/sweep/brick_index.h"
 
 #include <algorithm>
 #include <numeric>

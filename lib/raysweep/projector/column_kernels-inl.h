@@ -7,7 +7,7 @@
 #define RAYSWEEP_SWEEP_COLUMN_KERNELS_INL_H
 #endif
 
-#include "raysweep/sweep/fan_image.h"
+#include "raysweep/projector/fan_image.h"
 
 #include <hwy/highway.h>
 

@@ -1,4 +1,4 @@
-#include "raysweep/sweep/shadow.h"
+#include "raysweep/projector/shadow.h"
 
 #include "raysweep/core/error.h"
 

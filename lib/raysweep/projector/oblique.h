@@ -2,8 +2,8 @@
 /// itself, slices may lie across any axis.
 #pragma once
 
-#include "raysweep/sweep/backproject.h"
-#include "raysweep/sweep/project.h"
+#include "raysweep/projector/backproject.h"
+#include "raysweep/projector/project.h"
 
 namespace raysweep {
 

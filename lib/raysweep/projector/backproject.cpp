@@ -1,20 +1,20 @@
 // Detector to volume. Each task owns a tile and looks up which rays meet it, so no two write to the same voxel and sums
 // have one order whatever the number of threads.
-#include "raysweep/sweep/backproject.h"
+#include "raysweep/projector/backproject.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/sweep/oblique.h"
+#include "raysweep/projector/oblique.h"
 
 #include <algorithm>
 #include <cstring>
 
-#include "raysweep/sweep/simd_targets.h"
+#include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "raysweep/sweep/backproject.cpp"
+#define HWY_TARGET_INCLUDE "raysweep/projector/backproject.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "raysweep/sweep/column_kernels-inl.h"
+#include "raysweep/projector/column_kernels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raysweep {

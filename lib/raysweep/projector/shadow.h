@@ -1,7 +1,7 @@
 /// Which pixels a box of voxels falls on.
 #pragma once
 
-#include "raysweep/sweep/footprint.h"
+#include "raysweep/projector/joseph.h"
 
 namespace raysweep {
 

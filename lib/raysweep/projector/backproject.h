@@ -1,8 +1,8 @@
 /// What rays give to the voxels they meet: the transpose of projectView.
 #pragma once
 
-#include "raysweep/sweep/column_volume.h"
-#include "raysweep/sweep/project.h"
+#include "raysweep/projector/column_volume.h"
+#include "raysweep/projector/project.h"
 
 #include <cstddef>
 #include <vector>

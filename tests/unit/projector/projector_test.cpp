@@ -1,6 +1,6 @@
-#include "raysweep/sweep/project.h"
+#include "raysweep/projector/project.h"
 
-#include "raysweep/sweep/simd_targets.h"  // before Highway
+#include "raysweep/core/simd_targets.h"  // before Highway
 
 #include <hwy/highway.h>
 
@@ -13,8 +13,8 @@
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/phantoms/solid_shapes.h"
-#include "raysweep/sweep/backproject.h"
-#include "raysweep/sweep/project_grid.h"
+#include "raysweep/projector/backproject.h"
+#include "raysweep/projector/project_grid.h"
 
 using namespace raysweep;
 

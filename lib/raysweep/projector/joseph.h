@@ -6,7 +6,7 @@
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
-#include "raysweep/sweep/column_volume.h"
+#include "raysweep/projector/column_volume.h"
 
 #include <cmath>
 #include <vector>

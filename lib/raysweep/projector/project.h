@@ -1,9 +1,9 @@
 /// Line integrals through a volume: what X-rays of a view lose.
 #pragma once
 
-#include "raysweep/sweep/column_volume.h"
-#include "raysweep/sweep/fan_image.h"
-#include "raysweep/sweep/footprint.h"
+#include "raysweep/projector/column_volume.h"
+#include "raysweep/projector/fan_image.h"
+#include "raysweep/projector/joseph.h"
 
 namespace raysweep {
 

@@ -1,9 +1,9 @@
-#include "raysweep/sweep/project_grid.h"
+#include "raysweep/projector/project_grid.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/sweep/project.h"
-#include "raysweep/sweep/shadow.h"
+#include "raysweep/projector/project.h"
+#include "raysweep/projector/shadow.h"
 
 #include <algorithm>
 #include <limits>

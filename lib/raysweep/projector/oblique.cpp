@@ -1,6 +1,6 @@
-#include "raysweep/sweep/oblique.h"
+#include "raysweep/projector/oblique.h"
 
-#include "raysweep/sweep/shadow.h"
+#include "raysweep/projector/shadow.h"
 
 #include <algorithm>
 #include <cmath>
