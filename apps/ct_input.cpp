@@ -2,11 +2,11 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
-#include "raysweep/reconstruct/data_exchange.h"
-#include "raysweep/reconstruct/geometry_io.h"
-#include "raysweep/reconstruct/line_integrals.h"
-#include "raysweep/reconstruct/ring_filter.h"
-#include "raysweep/reconstruct/rotation_center.h"
+#include "raysweep/scan/data_exchange.h"
+#include "raysweep/scan/geometry_io.h"
+#include "raysweep/scan/line_integrals.h"
+#include "raysweep/scan/ring_filter.h"
+#include "raysweep/scan/rotation_center.h"
 
 #include <nlohmann/json.hpp>
 

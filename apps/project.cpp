@@ -4,9 +4,9 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/projector/project_grid.h"
-#include "raysweep/reconstruct/detector.h"
-#include "raysweep/reconstruct/geometry_io.h"
-#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/scan/detector.h"
+#include "raysweep/scan/geometry_io.h"
+#include "raysweep/scan/projection_io.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/voxel_check.h"
 

@@ -2,7 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
-#include "raysweep/reconstruct/geometry_io.h"
+#include "raysweep/scan/geometry_io.h"
 
 #include <cmath>
 

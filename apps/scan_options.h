@@ -4,7 +4,7 @@
 #include "cli.h"
 
 #include "raysweep/camera/projection_geometry.h"
-#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/scan/projection_io.h"
 
 #include <optional>
 #include <string>

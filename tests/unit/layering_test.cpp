@@ -11,9 +11,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::vector<std::string> kModules = {"core",      "image",      "camera",     "volume", "formats",
-                                           "phantoms",  "bricks",     "scene",      "render", "sweep",
-                                           "projector", "illuminate", "reconstruct"};
+const std::vector<std::string> kModules = {"core",      "image",  "camera",     "volume",     "formats",
+                                           "phantoms",  "bricks", "scene",      "render",     "sweep",
+                                           "projector", "scan",   "illuminate", "reconstruct"};
 
 std::size_t rankOf(const std::string& module) {
     return std::size_t(std::find(kModules.begin(), kModules.end(), module) - kModules.begin());

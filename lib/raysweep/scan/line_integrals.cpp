@@ -1,4 +1,4 @@
-#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/scan/line_integrals.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"

@@ -1,10 +1,10 @@
-#include "raysweep/reconstruct/geometry_io.h"
+#include "raysweep/scan/geometry_io.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/output_file.h"
-#include "raysweep/reconstruct/geometry_json.h"
-#include "raysweep/reconstruct/rtk_geometry.h"
+#include "raysweep/scan/geometry_json.h"
+#include "raysweep/scan/rtk_geometry.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,8 +1,8 @@
 // The axis' column is found where it was put, to a tenth of a column.
-#include "raysweep/reconstruct/rotation_center.h"
+#include "raysweep/scan/rotation_center.h"
 
-#include "raysweep/reconstruct/data_exchange.h"
-#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/scan/data_exchange.h"
+#include "raysweep/scan/line_integrals.h"
 
 #include <algorithm>
 #include <limits>

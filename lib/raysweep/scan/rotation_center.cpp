@@ -4,12 +4,12 @@
 //   share,
 // which is 1 for views without relation, whatever their noise: else few columns of empty space would fit best. 2c is
 // taken whole, so that nothing needs to be interpolated along x, and a parabola finds the place between.
-#include "raysweep/reconstruct/rotation_center.h"
+#include "raysweep/scan/rotation_center.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/types.h"
-#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/scan/line_integrals.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // Geometries come back from JSON bit by bit; JSON that is not what it must be is refused by name.
-#include "raysweep/reconstruct/geometry_io.h"
+#include "raysweep/scan/geometry_io.h"
 
 #include "raysweep/camera/projections.h"
 
-#include "raysweep/reconstruct/geometry_json.h"
+#include "raysweep/scan/geometry_json.h"
 
 #include <fstream>
 #include <limits>

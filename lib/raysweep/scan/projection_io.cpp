@@ -1,4 +1,4 @@
-#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/scan/projection_io.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"

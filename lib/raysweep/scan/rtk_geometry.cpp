@@ -4,7 +4,7 @@
 //   detector  (ProjectionOffsetX, ProjectionOffsetY, SourceToIsocenterDistance - SourceToDetectorDistance) + (u, v, 0)
 // with (u, v) from the image's origin and spacing. Parallel rays run along -z, and meet a detector at z =
 // -SourceToIsocenterDistance.
-#include "raysweep/reconstruct/rtk_geometry.h"
+#include "raysweep/scan/rtk_geometry.h"
 
 #include "raysweep/core/error.h"
 

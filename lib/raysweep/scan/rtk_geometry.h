@@ -2,7 +2,7 @@
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
-#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/scan/projection_io.h"
 
 #include <optional>
 #include <string>

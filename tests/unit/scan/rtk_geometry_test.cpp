@@ -1,8 +1,8 @@
 // RTK's files describe each view twice: by angles and distances, which is what is read, and by the matrix that takes
 // points of the world to the detector. Here the matrix is the independent answer.
-#include "raysweep/reconstruct/rtk_geometry.h"
+#include "raysweep/scan/rtk_geometry.h"
 
-#include "raysweep/reconstruct/geometry_io.h"
+#include "raysweep/scan/geometry_io.h"
 
 #include <array>
 #include <random>

@@ -1,5 +1,5 @@
 // The only place that sees HDF5.
-#include "raysweep/reconstruct/data_exchange.h"
+#include "raysweep/scan/data_exchange.h"
 
 #include "raysweep/core/error.h"
 

@@ -1,5 +1,5 @@
 // The ring filter takes rings out of a sinogram and leaves the rest.
-#include "raysweep/reconstruct/ring_filter.h"
+#include "raysweep/scan/ring_filter.h"
 
 #include <limits>
 #include <random>

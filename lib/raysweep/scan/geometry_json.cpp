@@ -1,4 +1,4 @@
-#include "raysweep/reconstruct/geometry_json.h"
+#include "raysweep/scan/geometry_json.h"
 
 #include "raysweep/core/error.h"
 

@@ -1,5 +1,5 @@
 // Counts become line integrals; pixels that do not measure are found, and filled in only where asked for.
-#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/scan/line_integrals.h"
 
 #include <limits>
 #include <random>

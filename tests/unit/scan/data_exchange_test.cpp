@@ -1,8 +1,8 @@
 // Scans in HDF5: what is in the file comes out, and files that lack something are refused by the name of what they
 // lack.
-#include "raysweep/reconstruct/data_exchange.h"
+#include "raysweep/scan/data_exchange.h"
 
-#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/scan/line_integrals.h"
 
 #include <hdf5.h>
 

@@ -1,5 +1,5 @@
 // Projections come back from files as they were written, and files that hold none are refused.
-#include "raysweep/reconstruct/projection_io.h"
+#include "raysweep/scan/projection_io.h"
 
 #include "raysweep/formats/itk_volume.h"
 #include "raysweep/image/image_io.h"

@@ -1,4 +1,4 @@
-#include "raysweep/reconstruct/ring_filter.h"
+#include "raysweep/scan/ring_filter.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"

@@ -1,4 +1,4 @@
-#include "raysweep/reconstruct/detector.h"
+#include "raysweep/scan/detector.h"
 
 #include <gtest/gtest.h>
 

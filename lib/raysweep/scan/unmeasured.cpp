@@ -1,7 +1,7 @@
 // Pixels that do not measure: found, and filled in. See line_integrals.h.
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/reconstruct/line_integrals.h"
+#include "raysweep/scan/line_integrals.h"
 
 #include <algorithm>
 #include <cmath>
