@@ -7,13 +7,12 @@
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/vdb_io.h"
 
+#include "support/volumes.h"
 #include "triad.h"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <vector>
 
@@ -30,10 +29,8 @@ openvdb::FloatGrid::Ptr denseBlock(int x, int y, int z) {
 }
 
 openvdb::FloatGrid::Ptr smoke() {
-    const char* given = std::getenv("RAYSWEEP_DATA");
-    const std::string folder = given ? given : RAYSWEEP_SOURCE_DIR "/../shared/data";
-    const std::string path = folder + "/vdb/smoke.vdb";
-    return std::filesystem::exists(path) ? selectDensity(readVdb(path)) : nullptr;
+    const std::string path = test::findData("vdb/smoke.vdb");
+    return path.empty() ? nullptr : selectDensity(readVdb(path));
 }
 
 /// Smoke with two more voxels, so far away that the bounding box is ten times as long along every axis.

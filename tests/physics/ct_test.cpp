@@ -3,13 +3,11 @@
 // (cone).
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-
 #include "raysweep/formats/volume_import.h"
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/sart.h"
+#include "support/volumes.h"
 
 using namespace raysweep;
 
@@ -71,10 +69,8 @@ TEST(CtSlow, ABoxWithHolesFromConeViews) {
 
 // The paper has an RMS of 0.09 after 1000 updates. Found: after 30.
 TEST(CtSlow, TheEngine) {
-    const char* given = std::getenv("RAYSWEEP_DATA");
-    const std::string folder = given ? given : RAYSWEEP_SOURCE_DIR "/../shared/data";
-    const std::string path = folder + "/volumes/engine.nrrd";
-    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not here";
+    const std::string path = test::findData("volumes/engine.nrrd");
+    if (path.empty()) GTEST_SKIP() << "volumes/engine.nrrd is not here";
     ImportOptions options;
     options.crop = IndexBox{Index3(0, 0, 9), Index3(255, 255, 118)};
     const openvdb::FloatGrid::Ptr engine = importVolume({path}, options).grid;

@@ -1,5 +1,7 @@
 #include "support/volumes.h"
 
+#include "support/source_folder.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -77,8 +79,7 @@ openvdb::FloatGrid::Ptr noiseBall(int radius, double low, double high) {
 
 std::string findData(const std::string& name) {
     const char* const given = std::getenv("RAYSWEEP_DATA");
-    for (const std::string& folder :
-         {std::string(given ? given : ""), std::string(RAYSWEEP_SOURCE_DIR "/../shared/data")})
+    for (const std::string& folder : {std::string(given ? given : ""), sourceFolder() + "/../shared/data"})
         if (!folder.empty() && std::filesystem::exists(folder + "/" + name)) return folder + "/" + name;
     return "";
 }

@@ -1,4 +1,6 @@
 // Data flows one way: a module includes only itself and those above it in the list.
+#include "support/source_folder.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +31,7 @@ std::string includedModule(const std::string& line) {
 }  // namespace
 
 TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
-    const fs::path library = fs::path(RAYSWEEP_SOURCE_DIR) / "lib" / "raysweep";
+    const fs::path library = fs::path(raysweep::test::sourceFolder()) / "lib" / "raysweep";
     int files = 0;
     for (const auto& entry : fs::recursive_directory_iterator(library)) {
         if (!entry.is_regular_file() || entry.path().parent_path() == library) continue;
@@ -49,7 +51,7 @@ TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
 TEST(Layering, FewFilesSeeThreadsPicturesAndFormatsOfOthers) {
     const std::vector<std::string> medical = {"itk_volume.cpp", "itk_dicom.cpp",    "itk_read.cpp",
                                               "itk_read.h",     "dicom_header.cpp", "nifti_check.cpp"};
-    const fs::path library = fs::path(RAYSWEEP_SOURCE_DIR) / "lib" / "raysweep";
+    const fs::path library = fs::path(raysweep::test::sourceFolder()) / "lib" / "raysweep";
     for (const auto& entry : fs::recursive_directory_iterator(library)) {
         if (!entry.is_regular_file()) continue;
         std::ifstream source(entry.path());

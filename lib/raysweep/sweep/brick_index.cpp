@@ -5,7 +5,7 @@
 
 namespace raysweep {
 
-TileIndex::TileIndex(const std::vector<Index3>& origins, const std::vector<Index3>& margins, const SweepAxis& axis) {
+BrickIndex::BrickIndex(const std::vector<Index3>& origins, const std::vector<Index3>& margins, const SweepAxis& axis) {
     const auto origin = [&](std::size_t i) -> const Index3& {
         return i < origins.size() ? origins[i] : margins[i - origins.size()];
     };
@@ -48,11 +48,11 @@ std::pair<std::size_t, std::size_t> findBetween(const std::vector<Item>& items, 
 
 }  // namespace
 
-std::pair<std::size_t, std::size_t> TileIndex::findLayers(int low, int high) const {
+std::pair<std::size_t, std::size_t> BrickIndex::findLayers(int low, int high) const {
     return findBetween(layers_, 0, layers_.size(), &Layer::layer, low, high);
 }
 
-std::pair<std::size_t, std::size_t> TileIndex::findRows(const Layer& layer, int low, int high) const {
+std::pair<std::size_t, std::size_t> BrickIndex::findRows(const Layer& layer, int low, int high) const {
     return findBetween(rows_, layer.first, layer.end, &Row::row, low, high);
 }
 

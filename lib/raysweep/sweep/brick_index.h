@@ -14,7 +14,7 @@
 namespace raysweep {
 
 /// Bricks ordered by (layer, row, column) of one sweep axis; a layer is eight slices thick.
-class TileIndex {
+class BrickIndex {
   public:
     struct Entry {
         std::uint32_t brick;  ///< kNoBrick for a margin
@@ -27,7 +27,7 @@ class TileIndex {
     };
 
     /// @param margins origins of empty bricks that are to be met as well
-    TileIndex(const std::vector<Index3>& origins, const std::vector<Index3>& margins, const SweepAxis& axis);
+    BrickIndex(const std::vector<Index3>& origins, const std::vector<Index3>& margins, const SweepAxis& axis);
 
     const std::vector<Entry>& entries() const { return entries_; }
     /// Ascending in (layer, row).

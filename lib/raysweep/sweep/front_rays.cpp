@@ -19,7 +19,7 @@ bool isPeriodic(const RayFront& front) {
 
 }  // namespace
 
-FrontRays::FrontRays(const Beam& beam, const TileIndex& index, int margin, int channels, bool furnace)
+FrontRays::FrontRays(const Beam& beam, const BrickIndex& index, int margin, int channels, bool furnace)
     : channels_(channels),
       furnace_(furnace),
       rows_(widened(rayExtent(beam.front, beam.front.row), margin)),
@@ -41,8 +41,8 @@ FrontRays::FrontRays(const Beam& beam, const TileIndex& index, int margin, int c
     rays_.assign(plane_ * std::size_t(channels + (furnace ? 2 : 0)), 0.0f);
 }
 
-void FrontRays::spanBricks(const RayFront& front, const TileIndex& index) {
-    for (const TileIndex::Row& bricks : index.rows()) {
+void FrontRays::spanBricks(const RayFront& front, const BrickIndex& index) {
+    for (const BrickIndex::Row& bricks : index.rows()) {
         const int step = front.firstStep(bricks.layer);
         const auto reach = [&](int low, int high, int first, int last, const RayRange& all) {
             return RayRange{std::max(all.begin, low - front.reach - std::max(first, last)),

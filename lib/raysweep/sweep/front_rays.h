@@ -21,7 +21,7 @@ class FrontRays {
   public:
     FrontRays() = default;  ///< no rays
     /// @param margin rays next to the lattice that kernels touch too; they stay dark
-    FrontRays(const Beam& beam, const TileIndex& index, int margin, int channels, bool furnace);
+    FrontRays(const Beam& beam, const BrickIndex& index, int margin, int channels, bool furnace);
 
     /// Ray u of lattice row v is at `power() + rowStarts()[v] + u`; the next channel's are `planeStride` on.
     float* power() { return rays_.data(); }
@@ -43,7 +43,7 @@ class FrontRays {
   private:
     float* row(int v) { return power() + rowStarts()[v]; }
     RayRange& span(int v) { return spans_[std::size_t(v - rows_.begin)]; }
-    void spanBricks(const RayFront& front, const TileIndex& index);
+    void spanBricks(const RayFront& front, const BrickIndex& index);
     void arrive(const RayFront& front, CrossingRays& arriving);
     void goOn(const RayFront& front, CrossingRays& leaving);
 

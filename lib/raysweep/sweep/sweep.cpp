@@ -28,7 +28,7 @@ std::vector<RaySums> sweepThrough(const SweepVolume& volume, const std::vector<B
                                   const Crossing& crossing = {}) {
     const bool linear = interpolation == Interpolation::linear;
     const RayFront& front = beams.front().front;
-    const TileIndex& index = volume.indexFor(front.axis.major, interpolation);
+    const BrickIndex& index = volume.indexFor(front.axis.major, interpolation);
     std::vector<FrontRays> rays(beams.size());
     parallelFor(beams.size(), [&](std::size_t i) {
         rays[i] = FrontRays(beams[i], index, linear ? kBrickEdge : 0, fields.channels, fields.furnace.data != nullptr);
@@ -93,9 +93,9 @@ RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpol
 SweepVolume::SweepVolume(BrickLayout bricks, Periodic repeats)
     : layout(std::move(bricks)), map(layout), periodic(repeats) {}
 
-const TileIndex& SweepVolume::indexFor(int major, Interpolation interpolation) const {
+const BrickIndex& SweepVolume::indexFor(int major, Interpolation interpolation) const {
     const bool linear = interpolation == Interpolation::linear;
-    std::optional<TileIndex>& index = index_[linear ? 1 : 0][std::size_t(major)];
+    std::optional<BrickIndex>& index = index_[linear ? 1 : 0][std::size_t(major)];
     const SweepAxis axis = sweepAxis(major);
     if (!index)
         index.emplace(layout.origins, linear ? marginsBelow(layout, map, periodic, axis) : std::vector<Index3>(), axis);

@@ -22,14 +22,14 @@ struct SweepVolume {
     explicit SweepVolume(BrickLayout bricks, Periodic repeats = {false, false, false});
 
     /// The order with the margins that `linear` needs. Not to be called by two threads at once.
-    const TileIndex& indexFor(int axis, Interpolation interpolation) const;
+    const BrickIndex& indexFor(int axis, Interpolation interpolation) const;
 
     BrickLayout layout;
     BrickMap map;
     Periodic periodic;
 
   private:
-    mutable std::array<std::optional<TileIndex>, 3> index_[2];
+    mutable std::array<std::optional<BrickIndex>, 3> index_[2];
 };
 
 /// Sweeps the beams through the volume together. They must share their axis and the sign of travel along all three;

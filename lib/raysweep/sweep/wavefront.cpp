@@ -66,7 +66,7 @@ std::vector<int> cut(const std::map<int, std::size_t>& bricks) {
 
 }  // namespace
 
-Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const TileIndex& index, bool withNeighbours)
+Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const BrickIndex& index, bool withNeighbours)
     : volume_(volume),
       front_(front),
       index_(index),
@@ -87,7 +87,7 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     const RayRange range = piece(strips_, rowsUp_, strip);
     const auto [first, last] = index_.findLayers(layers.begin, layers.end);
     for (std::size_t n = 0; n < last - first; ++n) {
-        const TileIndex::Layer& layer = index_.layers()[front_.ascending ? first + n : last - 1 - n];
+        const BrickIndex::Layer& layer = index_.layers()[front_.ascending ? first + n : last - 1 - n];
         const int step = front_.firstStep(layer.layer);
         forEachImage(front_, front_.row, step, front_.row.low, front_.row.high, rowsUp_, [&](int image) {
             const int offset = image * front_.row.size();
@@ -99,7 +99,7 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     return result;
 }
 
-void Wavefront::addRow(const TileIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const {
+void Wavefront::addRow(const BrickIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const {
     forEachImage(front_, front_.column, step, front_.column.low, front_.column.high, columnsUp_, [&](int columnImage) {
         for (std::size_t i = 0; i < row.end - row.first; ++i)
             to.push_back(
@@ -107,7 +107,7 @@ void Wavefront::addRow(const TileIndex::Row& row, int image, int step, std::vect
     });
 }
 
-BrickVisit Wavefront::visitOf(const TileIndex::Entry& entry, const TileIndex::Row& row, int columnImage, int rowImage,
+BrickVisit Wavefront::visitOf(const BrickIndex::Entry& entry, const BrickIndex::Row& row, int columnImage, int rowImage,
                               int step) const {
     BrickVisit visit{entry.brick,
                      entry.column + columnImage * front_.column.size(),

@@ -15,7 +15,7 @@ struct SweepVolume;
 class Wavefront {
   public:
     /// @param front of any of the beams  @param index with margins, if `withNeighbours`
-    Wavefront(const SweepVolume& volume, const RayFront& front, const TileIndex& index, bool withNeighbours);
+    Wavefront(const SweepVolume& volume, const RayFront& front, const BrickIndex& index, bool withNeighbours);
 
     int slabs() const { return int(slabs_.size()) - 1; }
     int strips() const { return int(strips_.size()) - 1; }
@@ -23,13 +23,13 @@ class Wavefront {
     std::vector<BrickVisit> visits(int slab, int strip) const;
 
   private:
-    void addRow(const TileIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const;
-    BrickVisit visitOf(const TileIndex::Entry& entry, const TileIndex::Row& row, int columnImage, int rowImage,
+    void addRow(const BrickIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const;
+    BrickVisit visitOf(const BrickIndex::Entry& entry, const BrickIndex::Row& row, int columnImage, int rowImage,
                        int step) const;
 
     const SweepVolume& volume_;
     const RayFront& front_;
-    const TileIndex& index_;
+    const BrickIndex& index_;
     bool withNeighbours_;
     bool rowsUp_, columnsUp_;
     // Where pieces begin, and the end; voxel coordinates, ascending.

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "support/volumes.h"
-#include "unit/volume/import_fixture.h"
+#include "unit/formats/import_fixture.h"
 
 using namespace raysweep;
 using namespace raysweep::test;

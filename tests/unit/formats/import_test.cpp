@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "unit/volume/import_fixture.h"
+#include "unit/formats/import_fixture.h"
 
 using namespace raysweep;
 using namespace raysweep::test;

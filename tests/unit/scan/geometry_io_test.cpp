@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "support/source_folder.h"
 #include "support/temporary_folder.h"
 #include "support/volume_files.h"
 #include "unit/reconstruct/ct_fixture.h"
@@ -137,7 +138,7 @@ TEST(GeometryFile, ViewsThatMakeNoSenseAreRefusedByNumber) {
 }
 
 TEST(GeometryFile, ExamplesInTheDocumentationAreRead) {
-    std::ifstream in(RAYSWEEP_SOURCE_DIR "/docs/ct.md");
+    std::ifstream in(test::sourceFolder() + "/docs/ct.md");
     std::string example;
     std::vector<std::string> examples;
     bool inside = false;

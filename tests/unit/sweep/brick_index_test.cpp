@@ -49,15 +49,15 @@ std::vector<int> raysMet(const SweepVolume& volume, const RayFront& front) {
 
 }  // namespace
 
-TEST(TileIndex, HasEveryBrickOnceInOrder) {
+TEST(BrickIndex, HasEveryBrickOnceInOrder) {
     const BrickLayout layout = scatteredLayout(0.1);
     for (int major = 0; major < 3; ++major) {
         const SweepAxis axis = sweepAxis(major);
-        const TileIndex index(layout.origins, {}, axis);
+        const BrickIndex index(layout.origins, {}, axis);
         std::vector<std::array<int, 3>> keys;
-        for (const TileIndex::Row& row : index.rows())
+        for (const BrickIndex::Row& row : index.rows())
             for (std::size_t i = row.first; i < row.end; ++i) {
-                const TileIndex::Entry& entry = index.entries()[i];
+                const BrickIndex::Entry& entry = index.entries()[i];
                 keys.push_back({row.layer, row.row, entry.column});
                 const Index3& origin = layout.origins[entry.brick];
                 EXPECT_EQ(keys.back(), (std::array<int, 3>{origin[axis.major], origin[axis.row], origin[axis.column]}));
@@ -67,8 +67,8 @@ TEST(TileIndex, HasEveryBrickOnceInOrder) {
     }
 }
 
-TEST(TileIndex, FindsLayersAndTheirRows) {
-    const TileIndex index({{0, 0, 0}, {0, 16, 0}, {0, 16, 8}, {8, 8, 0}}, {}, sweepAxis(0));
+TEST(BrickIndex, FindsLayersAndTheirRows) {
+    const BrickIndex index({{0, 0, 0}, {0, 16, 0}, {0, 16, 8}, {8, 8, 0}}, {}, sweepAxis(0));
     const auto range = [](int first, int end) { return std::make_pair(std::size_t(first), std::size_t(end)); };
     EXPECT_EQ(index.findLayers(0, 8), range(0, 1));
     EXPECT_EQ(index.findLayers(-8, 16), range(0, 2));
@@ -78,7 +78,7 @@ TEST(TileIndex, FindsLayersAndTheirRows) {
     EXPECT_EQ(index.findRows(index.layers()[1], 0, 8), range(2, 2));
 }
 
-TEST(TileIndex, MarginsAreTheEmptyBricksJustBelow) {
+TEST(BrickIndex, MarginsAreTheEmptyBricksJustBelow) {
     BrickLayout layout;
     layout.origins = {{0, 0, 0}, {0, 8, 0}};
     layout.high = Index3(8, 16, 8);
