@@ -114,6 +114,7 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         {"voxels_active", lit.activeVoxels},
         {"sweeps", lit.sweeps},
         {"sweeps_finishing", lit.finishingSweeps},
+        {"coarse_sweeps", lit.coarseSweeps},
         {"seconds", readSeconds + spent.prepare + spent.direct + spent.coarse + spent.sweeps + spent.finish +
                         spent.output + writeSeconds},
         {"seconds_per_sweep", sweeps > 0 ? sweeping / sweeps : 0.0},

@@ -93,16 +93,16 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
             beams.clear();
             for (const Vec3& direction : directions.nextGroup(beamCount)) {
                 const int reach = interpolation == Interpolation::linear ? 1 : 0;
-                beams.push_back(darkBeam(
-                    *state, parallelFront(state->volume.layout, direction, reach, 0.3, 0.7, state->volume.periodic)));
+                beams.push_back(darkBeam(state->medium, parallelFront(state->medium.volume.layout, direction, reach,
+                                                                      0.3, 0.7, state->medium.volume.periodic)));
                 for (float& power : beams.back().entering) power = 1;
             }
         } while (int(beams.size()) < beamCount || (major < 3 && beams[0].front.axis.major != major));
         const ExchangeStep step = exchangeStep(*state, 0.1 / beamCount, beamCount);
-        benchmark::DoNotOptimize(sweep(state->volume, beams, interpolation, fields, step));
-        if (interpolation == Interpolation::linear) settle(state->volume, beams, fields, step);
+        benchmark::DoNotOptimize(sweep(state->medium.volume, beams, interpolation, fields, step));
+        if (interpolation == Interpolation::linear) settle(state->medium.volume, beams, fields, step);
     };
-    const double streaming = double(state->volume.layout.activeVoxels) * kBytesPerVoxel / triadBandwidth();
+    const double streaming = double(state->medium.volume.layout.activeVoxels) * kBytesPerVoxel / triadBandwidth();
     const ThreadLimit limit(threads);
     for (int i = 0; i < 8; ++i) sweepOnce();
     double seconds = 0;
@@ -113,7 +113,7 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
     }
     const double perSweep = seconds / double(bench.iterations()) / beamCount;
     bench.counters["ms"] = 1e3 * perSweep;
-    bench.counters["ns_voxel"] = 1e9 * perSweep / double(state->volume.layout.activeVoxels);
+    bench.counters["ns_voxel"] = 1e9 * perSweep / double(state->medium.volume.layout.activeVoxels);
     bench.counters["x_stream"] = perSweep / streaming;
     bench.counters["GB_s_triad"] = 1e-9 * triadBandwidth();
 }

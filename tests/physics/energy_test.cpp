@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <random>
 #include <string>
+#include <vector>
 
 #include "raysweep/illuminate/illuminate.h"
 #include "support/volumes.h"
@@ -171,4 +174,132 @@ TEST(Energy, OfTheSkyIsRadianceTimesPiTimesSurface) {
     const double ratio = illuminate(scene, options).power.injected[0] / (kPi * surface);
     std::printf("  sky: injected / closed form = %.5f\n", ratio);
     EXPECT_LE(std::abs(ratio - 1), 2.0 / (n / 4));
+}
+
+namespace {
+
+/// A medium, its light, and the name of the case.
+struct MediumCase {
+    std::string name;
+    Scene scene;
+};
+
+openvdb::FloatGrid::Ptr randomBlock(int edge, double low, double high) {
+    auto grid = openvdb::FloatGrid::create();
+    auto accessor = grid->getAccessor();
+    std::mt19937_64 random(7);
+    for (int i = 0; i < edge; ++i)
+        for (int j = 0; j < edge; ++j)
+            for (int k = 0; k < edge; ++k)
+                accessor.setValue({i, j, k}, float(low * std::pow(high / low, uniform01(random))));
+    return grid;
+}
+
+/// As unlike as media get: thick and thin, even and rugged, nearly conservative and nearly black, grey, coloured and of
+/// an albedo that varies, voxels that are no cubes, all kinds of light.
+std::vector<MediumCase> mediumCases() {
+    std::vector<MediumCase> cases;
+    const auto add = [&](const std::string& name, const openvdb::FloatGrid::Ptr& density,
+                         const Color& albedo) -> Scene& {
+        Scene scene;
+        scene.medium.density = density;
+        scene.medium.albedo = albedo;
+        cases.push_back({name, scene});
+        return cases.back().scene;
+    };
+    const Sun sun{Vec3(0.3, -1, 0.2), grey(3)};
+    add("random voxels 1e-4 to 3, sun", randomBlock(32, 1e-4, 3), grey(0.9f)).suns.push_back(sun);
+    add("ball of voxels 1e-3 to 10, coloured, sky", noiseBall(9, 1e-3, 10), Color(0.99f, 0.5f, 0.8f)).sky.radiance =
+        grey(1);
+    add("even block, 0.5 a voxel, point inside", boxVolume({24, 24, 24}, 0.5f), grey(0.5f))
+        .points.push_back({Vec3(11.3, 12.1, 9.4), grey(50)});
+    add("thick block, 4 a voxel, nearly conservative, sun", boxVolume({24, 16, 32}, 4), grey(0.999f))
+        .suns.push_back(sun);
+    add("cloud, nearly black, point outside", cloudVolume(32), grey(0.05f))
+        .points.push_back({Vec3(-20, 4, 7), grey(500)});
+
+    Scene& varying = add("cloud, albedo from a grid, sun and sky", cloudVolume(40), grey(1));
+    const auto albedo = varying.medium.density->deepCopy();
+    for (auto on = albedo->beginValueOn(); on; ++on) on.setValue(on.getCoord().x() % 2 == 0 ? 0.99f : 0.3f);
+    varying.medium.albedoGrid = albedo;
+    varying.suns.push_back(sun);
+    varying.sky.radiance = grey(0.5f);
+
+    const auto flat = cloudVolume(40)->deepCopy();
+    openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+    matrix.setToScale(openvdb::Vec3d(0.1, 0.1, 0.25));
+    flat->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+    Scene& stretched = add("voxels of 0.1 x 0.1 x 0.25, sun and sky", flat, grey(0.95f));
+    stretched.medium.extinctionScale = 5;
+    stretched.suns.push_back(sun);
+    stretched.sky.radiance = grey(1);
+    return cases;
+}
+
+double valueAt(const openvdb::GridBase& grid, const openvdb::Coord& at, int channel) {
+    if (grid.isType<openvdb::FloatGrid>())
+        return double(static_cast<const openvdb::FloatGrid&>(grid).tree().getValue(at));
+    return double(static_cast<const openvdb::Vec3SGrid&>(grid).tree().getValue(at)[channel]);
+}
+
+/// What the answer says is absorbed: 4 pi s V S (1 - albedo) / albedo, summed over voxels that scatter.
+double absorbedByAnswer(const Medium& medium, const openvdb::GridBase& radiosity, int channel) {
+    const openvdb::math::Mat4d matrix = medium.density->transform().baseMap()->getAffineMap()->getMat4();
+    const double volume = std::abs(matrix.getMat3().det());
+    double sum = 0;
+    for (auto on = medium.density->cbeginValueOn(); on; ++on) {
+        const double albedo =
+            medium.albedoGrid ? valueAt(*medium.albedoGrid, on.getCoord(), channel) : double(medium.albedo[channel]);
+        const double extinction = double(*on) * medium.extinctionScale;
+        sum += 4 * kPi * extinction * volume * valueAt(radiosity, on.getCoord(), channel) * (1 - albedo) / albedo;
+    }
+    return sum;
+}
+
+/// The worst difference between what the answer absorbs and what is said of it, as part of the power injected.
+double worstOfAnswer(const Medium& medium, const Illumination& lit) {
+    double worst = lit.power.error();
+    for (int c = 0; c < lit.plan.channels; ++c) {
+        const double absorbed = absorbedByAnswer(medium, *lit.radiosity, c), injected = lit.power.injected[c];
+        worst = std::max(worst, std::abs(absorbed - lit.power.absorbed[c]) / injected);
+        worst = std::max(worst, std::abs(injected - lit.power.escaped[c] - lit.power.unshot[c] - absorbed) / injected);
+    }
+    return worst;
+}
+
+}  // namespace
+
+// Whatever the way to it: what the fields that users get absorb is what is reported, and closes the balance.
+TEST(Energy, TheAnswerAbsorbsWhatIsBooked) {
+    for (const MediumCase& c : mediumCases())
+        for (const bool dark : {false, true}) {
+            IlluminateOptions options;
+            options.tolerance = 0;
+            options.darkStart = dark;
+            double worst = 0;
+            for (const int sweeps : {4, 24, 64}) {
+                options.sweeps = sweeps;
+                worst = std::max(worst, worstOfAnswer(c.scene.medium, illuminate(c.scene, options)));
+            }
+            std::printf("  %-55s %s start: %.1e\n", c.name.c_str(), dark ? "dark  " : "coarse", worst);
+            EXPECT_LE(worst, dark ? 1e-5 : 1e-4) << c.name;
+        }
+}
+
+TEST(Energy, TheAnswerAbsorbsWhatIsBookedByEveryMethod) {
+    const MediumCase c = mediumCases().front();
+    for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
+        for (const Remaining remaining : {Remaining::shoot, Remaining::drop, Remaining::spread})
+            for (const int beams : {1, 3, 8}) {
+                IlluminateOptions options;
+                options.tolerance = 0;
+                options.sweeps = 24;
+                options.interpolation = interpolation;
+                options.remaining = remaining;
+                options.beams = beams;
+                EXPECT_LE(worstOfAnswer(c.scene.medium, illuminate(c.scene, options)),
+                          remaining == Remaining::shoot ? 1e-4 : 1e-5)
+                    << "interpolation " << int(interpolation) << ", remaining " << int(remaining) << ", " << beams
+                    << " beams";
+            }
 }

@@ -1,7 +1,8 @@
 #include "raysweep/illuminate/coarse_level.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/illuminate/estimate.h"
+#include "raysweep/illuminate/power_balance.h"
+#include "raysweep/illuminate/voxel_radiance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,6 +58,30 @@ float coarseDepth(const float* tau, const int (&voxels)[kMerged]) {
     return through > 0 ? std::min(mean, float(-std::log(through))) : mean;
 }
 
+void scale(BrickField& field, double factor) {
+    parallelFor(
+        field.brickCount(),
+        [&](std::size_t b) {
+            for (int i = 0; i < kBrickVoxels; ++i) field.brick(b)[i] = float(double(field.brick(b)[i]) * factor);
+        },
+        kGrain);
+}
+
+/// Takes power that is not there from what is unshot, then from what was absorbed, everywhere the same part; what is
+/// more than both has not escaped.
+void takeAway(SolverState& state, int c, double power) {
+    const auto take = [&](double from, const std::vector<BrickField*>& fields) {
+        const double taken = std::min(power, from);
+        if (!(taken > 0)) return;
+        for (BrickField* const field : fields) scale(*field, 1 - taken / from);
+        power -= taken;
+    };
+    PowerFields& fields = state.power;
+    take(unshotPower(state).value[c], {&fields.unshot[c]});
+    take(absorbedPower(state).value[c], {&fields.total[c], &fields.recent[c]});
+    fields.swept.escaped[c] -= power;
+}
+
 }  // namespace
 
 std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
@@ -70,8 +95,8 @@ std::vector<Index3> coarseOrigins(const BrickLayout& fine) {
 
 template <class Visit>
 void CoarseLevel::forEachVoxel(const SolverState& fine, std::size_t b, const Visit& visit) const {
-    const BrickLayout& layout = fine.volume.layout;
-    const Index3 first = (layout.origins[b] - layout.low) / kFactor - state.volume.layout.origins[parents_[b]];
+    const BrickLayout& layout = fine.medium.volume.layout;
+    const Index3 first = (layout.origins[b] - layout.low) / kFactor - state.medium.volume.layout.origins[parents_[b]];
     for (int i = 0; i < kBrickVoxels; ++i) {
         const Index3 at(first.x + (i >> 6) / kFactor, first.y + ((i >> 3) & 7) / kFactor, first.z + (i & 7) / kFactor);
         visit(i, int(offsetInBrick(at)));
@@ -91,23 +116,25 @@ void CoarseLevel::forEachCoarseVoxel(const SolverState& fine, std::size_t b, con
 }
 
 CoarseLevel::CoarseLevel(const SolverState& fine, std::vector<Index3> coarse)
-    : state(coarseLayout(fine.volume.layout, std::move(coarse)), {false, false, false}, fine.escape.scaled(kFactor)) {
-    state.exchange = fine.exchange;
-    state.channels = fine.channels;
-    state.powerUnit = fine.powerUnit;
-    state.perInjection = fine.perInjection;
-    state.uniformAlbedo = fine.uniformAlbedo;
-    const std::vector<Index3>& origins = fine.volume.layout.origins;
+    : state(coarseLayout(fine.medium.volume.layout, std::move(coarse)), {false, false, false},
+            fine.medium.escape.scaled(kFactor)) {
+    state.medium.exchange = fine.medium.exchange;
+    state.medium.channels = fine.medium.channels;
+    state.power.unit = fine.power.unit;
+    state.power.perInjection = fine.power.perInjection;
+    state.medium.uniformAlbedo = fine.medium.uniformAlbedo;
+    const std::vector<Index3>& origins = fine.medium.volume.layout.origins;
     for (const Index3& origin : origins)
-        parents_.push_back(state.volume.map.find(coarseOrigin(fine.volume.layout, origin)));
+        parents_.push_back(state.medium.volume.map.find(coarseOrigin(fine.medium.volume.layout, origin)));
 
-    const std::size_t bricks = state.volume.layout.brickCount();
-    state.zero = BrickField(1);
-    state.tau = BrickField(bricks);
-    for (int c = 0; c < state.channels; ++c) {
-        state.albedo[c] = BrickField(fine.uniformAlbedo ? 1 : bricks);
-        if (fine.uniformAlbedo) std::copy_n(fine.albedo[c].brick(0), kBrickVoxels, state.albedo[c].brick(0));
-        if (fine.hasSource()) state.source[c] = BrickField(bricks);
+    const std::size_t bricks = state.medium.volume.layout.brickCount();
+    state.power.zero = BrickField(1);
+    state.medium.tau = BrickField(bricks);
+    for (int c = 0; c < state.medium.channels; ++c) {
+        state.medium.albedo[c] = BrickField(fine.medium.uniformAlbedo ? 1 : bricks);
+        if (fine.medium.uniformAlbedo)
+            std::copy_n(fine.medium.albedo[c].brick(0), kBrickVoxels, state.medium.albedo[c].brick(0));
+        if (fine.power.hasSource()) state.power.source[c] = BrickField(bricks);
         started_[c] = BrickField(bricks);
         changeDeposit_[c] = BrickField(bricks);
         changeUnshot_[c] = BrickField(bricks);
@@ -116,16 +143,17 @@ CoarseLevel::CoarseLevel(const SolverState& fine, std::vector<Index3> coarse)
         origins.size(),
         [&](std::size_t b) {
             const std::uint32_t parent = parents_[b];
-            const float* const tau = fine.tau.brick(b);
+            const float* const tau = fine.medium.tau.brick(b);
             forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
                 float sum = 0;
                 for (const int i : voxels) sum += tau[i];
-                state.tau.brick(parent)[j] = coarseDepth(tau, voxels);
-                for (int c = 0; c < state.channels; ++c)
+                state.medium.tau.brick(parent)[j] = coarseDepth(tau, voxels);
+                for (int c = 0; c < state.medium.channels; ++c)
                     for (const int i : voxels) {
-                        if (fine.hasSource()) state.source[c].brick(parent)[j] += fine.source[c].brick(b)[i];
-                        if (!fine.uniformAlbedo && sum > 0)
-                            state.albedo[c].brick(parent)[j] += fine.albedo[c].brick(b)[i] * tau[i] / sum;
+                        if (fine.power.hasSource())
+                            state.power.source[c].brick(parent)[j] += fine.power.source[c].brick(b)[i];
+                        if (!fine.medium.uniformAlbedo && sum > 0)
+                            state.medium.albedo[c].brick(parent)[j] += fine.medium.albedo[c].brick(b)[i] * tau[i] / sum;
                     }
             });
         },
@@ -138,19 +166,19 @@ void CoarseLevel::start(SolverState& fine, double shot) {
         [&](std::size_t b) {
             const std::uint32_t parent = parents_[b];
             alignas(64) float area[kBrickVoxels], coarseArea[kBrickVoxels], g[kBrickVoxels];
-            absorbingAreas(fine, b, area);
-            absorbingAreas(state, parent, coarseArea);
-            for (int c = 0; c < fine.channels; ++c) {
+            absorbingAreas(fine.medium, b, area);
+            absorbingAreas(state.medium, parent, coarseArea);
+            for (int c = 0; c < fine.medium.channels; ++c) {
                 effectiveAlbedos(fine, c, b, g);
-                const float* const total = state.total[c].brick(parent);
-                const float* const recent = state.recent[c].brick(parent);
-                float* const unshot = fine.unshot[c].brick(b);
+                const float* const total = state.power.total[c].brick(parent);
+                const float* const recent = state.power.recent[c].brick(parent);
+                float* const unshot = fine.power.unshot[c].brick(b);
                 forEachVoxel(fine, b, [&](int i, int j) {
                     double arriving = 0;
                     if (coarseArea[j] > 0)
-                        arriving = (double(total[j]) + double(recent[j])) / std::max(1, state.injections) *
+                        arriving = (double(total[j]) + double(recent[j])) / std::max(1, state.power.injections) *
                                    double(area[i]) / double(coarseArea[j]) * double(g[i]);
-                    if (fine.hasSource()) arriving += double(fine.source[c].brick(b)[i]);
+                    if (fine.power.hasSource()) arriving += double(fine.power.source[c].brick(b)[i]);
                     unshot[i] = float(arriving / shot);
                     started_[c].brick(parent)[j] += unshot[i];
                 });
@@ -160,17 +188,17 @@ void CoarseLevel::start(SolverState& fine, double shot) {
 }
 
 void CoarseLevel::takeChange(const SolverState& fine, int sign) {
-    const std::size_t bricks = state.volume.layout.brickCount();
-    for (int c = 0; c < state.channels; ++c) {
-        state.unshot[c] = BrickField(bricks);
-        state.total[c] = BrickField(bricks);
-        state.recent[c] = BrickField(bricks);
-        BrickField& change = state.unshot[c];
+    const std::size_t bricks = state.medium.volume.layout.brickCount();
+    for (int c = 0; c < state.medium.channels; ++c) {
+        state.power.unshot[c] = BrickField(bricks);
+        state.power.total[c] = BrickField(bricks);
+        state.power.recent[c] = BrickField(bricks);
+        BrickField& change = state.power.unshot[c];
         parallelFor(
             parents_.size(),
             [&](std::size_t b) {
                 forEachVoxel(fine, b,
-                             [&](int i, int j) { change.brick(parents_[b])[j] += fine.unshot[c].brick(b)[i]; });
+                             [&](int i, int j) { change.brick(parents_[b])[j] += fine.power.unshot[c].brick(b)[i]; });
             },
             kGrain);
         parallelFor(
@@ -182,61 +210,77 @@ void CoarseLevel::takeChange(const SolverState& fine, int sign) {
             },
             kGrain);
     }
-    state.swept = {};
+    state.power.swept = {};
 }
 
-void CoarseLevel::bookChange(int sign) {
-    state.injections = 1;
-    state.perInjection = {};
-    const PowerBalance became = balance(state);
-    for (int c = 0; c < state.channels; ++c) {
-        changed_.absorbed[c] += sign * became.absorbed[c];
-        changed_.escaped[c] += sign * became.escaped[c];
-        changed_.unshot[c] += sign * became.unshot[c];
+void CoarseLevel::rememberChange(int sign) {
+    for (int c = 0; c < state.medium.channels; ++c) {
+        escaped_.value[c] += sign * state.power.swept.escaped[c];
         parallelFor(
-            state.volume.layout.brickCount(),
+            state.medium.volume.layout.brickCount(),
             [&](std::size_t b) {
+                const float* const total = state.power.total[c].brick(b);
+                const float* const recent = state.power.recent[c].brick(b);
+                const float* const unshot = state.power.unshot[c].brick(b);
                 for (int i = 0; i < kBrickVoxels; ++i) {
-                    const float deposit = state.total[c].brick(b)[i] + state.recent[c].brick(b)[i];
-                    changeDeposit_[c].brick(b)[i] += float(sign) * deposit;
-                    changeUnshot_[c].brick(b)[i] += float(sign) * state.unshot[c].brick(b)[i];
+                    changeDeposit_[c].brick(b)[i] += float(sign) * (total[i] + recent[i]);
+                    changeUnshot_[c].brick(b)[i] += float(sign) * unshot[i];
                 }
             },
             kGrain);
     }
 }
 
-PowerBalance CoarseLevel::settle(SolverState& fine) {
-    PowerBalance power = balance(fine);
-    for (int c = 0; c < fine.channels; ++c) {
-        power.absorbed[c] += changed_.absorbed[c] / fine.injections;
-        power.escaped[c] += changed_.escaped[c] / fine.injections;
-        // What is left of the change has either sign. Less than nothing cannot be unshot: it was not absorbed.
-        const double left = changed_.unshot[c] / fine.injections;
-        power.unshot[c] = std::max(0.0, left);
-        power.absorbed[c] += std::min(0.0, left);
-    }
-    parallelFor(
+/// A fine voxel's part of what its coarse one was given is that of an even field, its F. What has to be parted is
+/// absorbed power and not the deposit: of a deposit 1 - g stays, and the g of a coarse voxel is not that of the fine
+/// ones.
+///
+///     D_i += (1 - g_c) D_c F_i / sum_k (1 - g_k) F_k,     where nothing is absorbed D_i += D_c F_i / sum_k F_k
+double CoarseLevel::settleBrick(SolverState& fine, int c, std::size_t b) const {
+    const std::uint32_t parent = parents_[b];
+    alignas(64) float area[kBrickVoxels];
+    double share[kBrickVoxels], coarseShare[kBrickVoxels];
+    absorbingAreas(fine.medium, b, area);
+    absorbedShares(fine, c, b, share);
+    absorbedShares(state, c, parent, coarseShare);
+    const float* const total = fine.power.total[c].brick(b);
+    float* const recent = fine.power.recent[c].brick(b);
+    float* const unshot = fine.power.unshot[c].brick(b);
+    double missing = 0;
+    forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
+        double sum = 0, absorbing = 0;
+        for (const int i : voxels) {
+            sum += double(area[i]);
+            absorbing += double(area[i]) * share[i];
+        }
+        const double given = double(changeDeposit_[c].brick(parent)[j]),
+                     left = double(changeUnshot_[c].brick(parent)[j]);
+        const double perArea = absorbing > 0 ? given * coarseShare[j] / absorbing : sum > 0 ? given / sum : 0;
+        missing += std::max(0.0, -left);
+        for (const int i : voxels) {
+            const double part = sum > 0 ? double(area[i]) / sum : 1.0 / kMerged;
+            const double deposit = double(recent[i]) + perArea * double(area[i]), least = -double(total[i]);
+            unshot[i] = float(std::max(0.0, left) * part);
+            recent[i] = float(std::max(least, deposit));
+            missing += std::max(0.0, least - deposit) * share[i];
+        }
+    });
+    return missing;
+}
+
+void CoarseLevel::settle(SolverState& fine) const {
+    const ChannelPower missing = orderedSum<ChannelPower>(
         parents_.size(),
         [&](std::size_t b) {
-            const std::uint32_t parent = parents_[b];
-            alignas(64) float area[kBrickVoxels];
-            absorbingAreas(fine, b, area);
-            forEachCoarseVoxel(fine, b, [&](const int(&voxels)[kMerged], int j) {
-                float sum = 0;
-                for (const int i : voxels) sum += area[i];
-                for (int c = 0; c < fine.channels; ++c)
-                    for (const int i : voxels) {
-                        const float part = sum > 0 ? area[i] / sum : 0;
-                        fine.unshot[c].brick(b)[i] = std::max(0.0f, changeUnshot_[c].brick(parent)[j]) * part;
-                        float& recent = fine.recent[c].brick(b)[i];
-                        recent =
-                            std::max(-fine.total[c].brick(b)[i], recent + changeDeposit_[c].brick(parent)[j] * part);
-                    }
-            });
+            ChannelPower sum;
+            for (int c = 0; c < fine.medium.channels; ++c) sum.value[c] = settleBrick(fine, c, b);
+            return sum;
         },
         kGrain);
-    return power;
+    for (int c = 0; c < fine.medium.channels; ++c) {
+        fine.power.swept.escaped[c] += escaped_.value[c];
+        takeAway(fine, c, missing.value[c]);
+    }
 }
 
 }  // namespace raysweep

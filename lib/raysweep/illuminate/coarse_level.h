@@ -34,10 +34,15 @@ class CoarseLevel {
     /// (`sign` 1) or lost (-1) is to be shot, and nothing else.
     void takeChange(const SolverState& fine, int sign);
     /// Remembers what has become of it.
-    void bookChange(int sign);
-    /// Adds what has become of the change to the deposits of `fine`, where nothing stays unshot but what is still
-    /// unshot here. @return the books of `fine` with it, W
-    PowerBalance settle(SolverState& fine);
+    void rememberChange(int sign);
+    /// Gives `fine` what has become of the change: deposits, what is still unshot here, and what has escaped. No power
+    /// is lost by it: what would have to be less than nothing in a voxel is taken from all of them.
+    void settle(SolverState& fine) const;
+
+    /// A sweep of this level, in sweeps of `fine`.
+    double sweepCost(const SolverState& fine) const {
+        return double(state.medium.volume.layout.brickCount()) / double(fine.medium.volume.layout.brickCount());
+    }
 
   private:
     /// Calls `visit(i, j)` for voxel i of fine brick `b` and voxel j of the coarse brick that holds it.
@@ -49,10 +54,14 @@ class CoarseLevel {
     template <class Visit>
     void forEachCoarseVoxel(const SolverState& fine, std::size_t b, const Visit& visit) const;
 
+    /// @return power that `fine` then holds too much, since nothing can be below 0
+    double settleBrick(SolverState& fine, int c, std::size_t b) const;
+
     std::vector<std::uint32_t> parents_;  ///< coarse brick of each fine one
     BrickField started_[kMaxChannels];    ///< unshot power that `fine` had at the start
+    // What became of the change, of either sign:
     BrickField changeDeposit_[kMaxChannels], changeUnshot_[kMaxChannels];
-    PowerBalance changed_;  ///< what became of the change, W
+    ChannelPower escaped_;
 };
 
 }  // namespace raysweep

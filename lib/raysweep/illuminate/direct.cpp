@@ -2,6 +2,8 @@
 
 #include "raysweep/bricks/brick_grids.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/quad.h"
+#include "raysweep/illuminate/voxel_radiance.h"
 #include "raysweep/sweep/diverging_front.h"
 
 #include <algorithm>
@@ -14,31 +16,33 @@ void allocateSources(SolverState& state, const Scene& scene) {
     const bool emits = scene.medium.emission || !scene.quads.empty(),
                shines = !scene.suns.empty() || !scene.points.empty();
     if (!emits && !shines) return;
-    for (int c = 0; c < state.channels; ++c) {
-        state.source[c] = BrickField(state.volume.layout.brickCount());
-        state.seen[c] = BrickField(state.surfaces.bricks.size());
-        state.emitted[c] = BrickField(state.surfaces.bricks.size());
+    for (int c = 0; c < state.medium.channels; ++c) {
+        state.power.source[c] = BrickField(state.medium.volume.layout.brickCount());
+        state.solid.seen[c] = BrickField(state.solid.surfaces.bricks.size());
+        state.solid.emitted[c] = BrickField(state.solid.surfaces.bricks.size());
     }
 }
 
 /// Books a deposit of direct light, `deposit` times `power[c]`: part of it is absorbed, the rest becomes source.
 void addCollided(SolverState& state, const BrickField& deposit, const ChannelPower& power) {
-    const ChannelPower absorbed = orderedSum<ChannelPower>(state.volume.layout.brickCount(), [&](std::size_t b) {
+    const ChannelPower absorbed = orderedSum<ChannelPower>(state.medium.volume.layout.brickCount(), [&](std::size_t b) {
         ChannelPower sum;
         alignas(64) float g[kBrickVoxels];
-        for (int c = 0; c < state.channels; ++c) {
+        double share[kBrickVoxels];
+        for (int c = 0; c < state.medium.channels; ++c) {
             effectiveAlbedos(state, c, b, g);
+            absorbedShares(state, c, b, share);
             const float scale = float(power.value[c]);
-            float* const source = state.source[c].brick(b);
+            float* const source = state.power.source[c].brick(b);
             for (int i = 0; i < kBrickVoxels; ++i) {
                 const float in = deposit.brick(b)[i] * scale;
                 source[i] += g[i] * in;
-                sum.value[c] += double(in) * (1 - double(g[i]));
+                sum.value[c] += double(in) * share[i];
             }
         }
         return sum;
     });
-    for (int c = 0; c < state.channels; ++c) state.perInjection.absorbed[c] += absorbed.value[c];
+    for (int c = 0; c < state.medium.channels; ++c) state.power.perInjection.absorbed[c] += absorbed.value[c];
 }
 
 /// What light of unit strength leaves in surface voxels, and what it would leave if nothing but a voxel's own surface
@@ -57,11 +61,11 @@ struct Crossing {
 /// Books what surfaces show of a light of `power` (a sun: irradiance) that passes a voxel as `at(voxel)`.
 template <class LightAt>
 void addSeen(SolverState& state, const Visibility& visibility, const Color& power, const LightAt& at) {
-    const BrickLayout& layout = state.volume.layout;
+    const BrickLayout& layout = state.medium.volume.layout;
     parallelFor(layout.brickCount(), [&](std::size_t b) {
-        const PackedNormal* const normals = state.surfaces.normals(b);
+        const PackedNormal* const normals = state.solid.surfaces.normals(b);
         if (!normals) return;
-        const std::uint32_t slot = state.surfaces.slots[b];
+        const std::uint32_t slot = state.solid.surfaces.slots[b];
         for (int i = 0; i < kBrickVoxels; ++i) {
             const float full = visibility.furnace.brick(slot)[i];
             if (normals[i] == 0 || !(full > 0)) continue;
@@ -69,40 +73,41 @@ void addSeen(SolverState& state, const Visibility& visibility, const Color& powe
             const double cosine = std::max(0.0, -unpackNormal(normals[i]).dot(crossing.direction));
             const double visible = std::min(1.0, double(visibility.deposit.brick(b)[i]) / double(full));
             const double irradiance = crossing.density * cosine * visible / state.radianceUnit();
-            for (int c = 0; c < state.channels; ++c)
-                state.seen[c].brick(slot)[i] +=
-                    float(double(state.albedoView(c).brick(b)[i]) * irradiance * double(power[c]) / kPi);
+            for (int c = 0; c < state.medium.channels; ++c)
+                state.solid.seen[c].brick(slot)[i] +=
+                    float(double(state.medium.albedoView(c).brick(b)[i]) * irradiance * double(power[c]) / kPi);
         }
     });
 }
 
 /// In the paper's model all that is known of light on a surface is what was deposited.
 bool showsDirectLight(const SolverState& state) {
-    return state.solids && state.exchange == ExchangeModel::consistent;
+    return state.solid.present && state.medium.exchange == ExchangeModel::consistent;
 }
 
 /// A sun's light comes down in one `linear` sweep that shoots nothing.
 void addSun(SolverState& state, const Sun& sun) {
-    BrickField deposit(state.volume.layout.brickCount());
-    const RayFront front = parallelFront(state.volume.layout, sun.direction, 1, 0, 0, state.volume.periodic);
-    Beam beam = darkBeam(state, front);
+    BrickField deposit(state.medium.volume.layout.brickCount());
+    const RayFront front =
+        parallelFront(state.medium.volume.layout, sun.direction, 1, 0, 0, state.medium.volume.periodic);
+    Beam beam = darkBeam(state.medium, front);
     beam.entering[0] = 1;
     ExchangeFields fields;
-    fields.tau = viewOf(state.tau);
-    fields.unshot[0] = {state.zero.brick(0), 0};
+    fields.tau = viewOf(state.medium.tau);
+    fields.unshot[0] = {state.power.zero.brick(0), 0};
     fields.fresh[0] = viewOf(deposit);
     BrickField furnace;
-    if (!state.surfaces.empty()) fields.surfaces = &state.surfaces;
-    if (showsDirectLight(state)) fields.furnace = viewOf(furnace = BrickField(state.surfaces.bricks.size()));
+    if (!state.solid.surfaces.empty()) fields.surfaces = &state.solid.surfaces;
+    if (showsDirectLight(state)) fields.furnace = viewOf(furnace = BrickField(state.solid.surfaces.bricks.size()));
     beam.furnaceRay = 1;
     const RaySums totals =
-        sweep(state.volume, {beam}, Interpolation::linear, fields, exchangeStep(state, 1, 1)).front();
+        sweep(state.medium.volume, {beam}, Interpolation::linear, fields, exchangeStep(state, 1, 1)).front();
 
     ChannelPower power;
-    for (int c = 0; c < state.channels; ++c) {
-        power.value[c] = double(sun.irradiance[c]) * front.crossSection / state.powerUnit;
-        state.perInjection.injected[c] += totals.entered[0] * power.value[c];
-        state.perInjection.escaped[c] += totals.escaped[0] * power.value[c];
+    for (int c = 0; c < state.medium.channels; ++c) {
+        power.value[c] = double(sun.irradiance[c]) * front.crossSection / state.power.unit;
+        state.power.perInjection.injected[c] += totals.entered[0] * power.value[c];
+        state.power.perInjection.escaped[c] += totals.escaped[0] * power.value[c];
     }
     addCollided(state, deposit, power);
     if (showsDirectLight(state))
@@ -114,19 +119,19 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
     const openvdb::Vec3d inIndex = transform.worldToIndex({point.position.x, point.position.y, point.position.z});
     const Vec3 at(inIndex.x(), inIndex.y(), inIndex.z());
     const PointDeposit deposit =
-        depositFromPoint({state.volume, at, viewOf(state.tau), 1 / state.escape.meanStepLength(),
-                          state.surfaces.empty() ? nullptr : &state.surfaces, state.solidTau()});
+        depositFromPoint({state.medium.volume, at, viewOf(state.medium.tau), 1 / state.medium.escape.meanStepLength(),
+                          state.solid.surfaces.empty() ? nullptr : &state.solid.surfaces, state.solidTau()});
     ChannelPower power;
-    for (int c = 0; c < state.channels; ++c) {
-        power.value[c] = double(point.power[c]) / state.powerUnit;
-        state.perInjection.injected[c] += power.value[c];
-        state.perInjection.escaped[c] += deposit.escaped * power.value[c];
+    for (int c = 0; c < state.medium.channels; ++c) {
+        power.value[c] = double(point.power[c]) / state.power.unit;
+        state.power.perInjection.injected[c] += power.value[c];
+        state.power.perInjection.escaped[c] += deposit.escaped * power.value[c];
     }
     addCollided(state, deposit.power, power);
     if (!showsDirectLight(state)) return;
-    const double nearest = 0.5 * std::cbrt(state.volume.layout.voxelVolume);  // a voxel is no closer to what is in it
+    const double nearest = 0.5 * state.medium.voxelEdge();  // a voxel is no closer to what is in it
     addSeen(state, {deposit.power, deposit.furnace}, point.power, [&](const Index3& voxel) {
-        const Vec3 way = (Vec3(voxel) - at) * state.volume.layout.worldFromIndex;
+        const Vec3 way = (Vec3(voxel) - at) * state.medium.volume.layout.worldFromIndex;
         const double distance = std::max(way.length(), nearest);
         return Crossing{way / distance, 1 / (4 * kPi * distance * distance)};
     });
@@ -134,8 +139,8 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
 
 /// Power emitted in a voxel: of each unit the part p / (1 - albedo (1 - p)) leaves it, after any scatterings inside.
 double emittedThatLeaves(const SolverState& state, double tau, double albedo, bool surface) {
-    if (surface || state.exchange == ExchangeModel::paper) return 1;
-    const double p = state.escape.fit().probability(tau);
+    if (surface || state.medium.exchange == ExchangeModel::paper) return 1;
+    const double p = state.medium.escape.fit().probability(tau);
     return p / (1 - albedo * (1 - p));
 }
 
@@ -150,34 +155,34 @@ struct EmissionBooks {
 
 /// Makes `emitted`, power in each voxel, a source of channel `c`.
 EmissionBooks addEmitted(SolverState& state, int c, const BrickField& emitted) {
-    const EmissionBooks books = orderedSum<EmissionBooks>(state.volume.layout.brickCount(), [&](std::size_t b) {
+    const EmissionBooks books = orderedSum<EmissionBooks>(state.medium.volume.layout.brickCount(), [&](std::size_t b) {
         EmissionBooks sum;
-        const float* const tau = state.tau.brick(b);
-        const float* const albedo = state.albedoView(c).brick(b);
-        const PackedNormal* const normals = state.surfaces.normals(b);
+        const float* const tau = state.medium.tau.brick(b);
+        const float* const albedo = state.medium.albedoView(c).brick(b);
+        const PackedNormal* const normals = state.solid.surfaces.normals(b);
         for (int i = 0; i < kBrickVoxels; ++i) {
             const double power = double(emitted.brick(b)[i]);
             if (power == 0) continue;
             const bool surface = normals && normals[i] != 0;
             const auto leaves = float(power * emittedThatLeaves(state, double(tau[i]), double(albedo[i]), surface));
-            state.source[c].brick(b)[i] += leaves;
-            if (surface) state.emitted[c].brick(state.surfaces.slots[b])[i] += leaves;
+            state.power.source[c].brick(b)[i] += leaves;
+            if (surface) state.solid.emitted[c].brick(state.solid.surfaces.slots[b])[i] += leaves;
             sum += {power, double(leaves), 1.0, tau[i] > 0 ? 0.0 : 1.0};
         }
         return sum;
     });
-    state.perInjection.injected[c] += books.emitted;
-    state.perInjection.absorbed[c] += books.emitted - books.left;
+    state.power.perInjection.injected[c] += books.emitted;
+    state.power.perInjection.absorbed[c] += books.emitted - books.left;
     return books;
 }
 
 Emitters addEmission(SolverState& state, const Medium& medium) {
-    const BrickLayout& layout = state.volume.layout;
+    const BrickLayout& layout = state.medium.volume.layout;
     Emitters emitters;
-    for (int c = 0; c < state.channels; ++c) {
+    for (int c = 0; c < state.medium.channels; ++c) {
         const EmissionBooks books = addEmitted(
             state, c,
-            gatherChannel(layout, *medium.emission, c, medium.emissionScale * layout.voxelVolume / state.powerUnit));
+            gatherChannel(layout, *medium.emission, c, medium.emissionScale * layout.voxelVolume / state.power.unit));
         emitters.voxels = std::max(emitters.voxels, std::size_t(books.voxels));
         emitters.invisible = std::max(emitters.invisible, std::size_t(books.invisible));
     }
@@ -187,9 +192,9 @@ Emitters addEmission(SolverState& state, const Medium& medium) {
 /// @return voxels that emit
 std::size_t addQuad(SolverState& state, const QuadLight& quad, const openvdb::FloatGrid& areas) {
     std::size_t voxels = 0;
-    for (int c = 0; c < state.channels; ++c) {
-        const double perArea = kPi * double(quad.radiance[c]) / state.powerUnit;
-        const EmissionBooks books = addEmitted(state, c, gatherField(state.volume.layout, areas, perArea));
+    for (int c = 0; c < state.medium.channels; ++c) {
+        const double perArea = kPi * double(quad.radiance[c]) / state.power.unit;
+        const EmissionBooks books = addEmitted(state, c, gatherField(state.medium.volume.layout, areas, perArea));
         voxels = std::max(voxels, std::size_t(books.voxels));
     }
     return voxels;
@@ -197,10 +202,11 @@ std::size_t addQuad(SolverState& state, const QuadLight& quad, const openvdb::Fl
 
 /// Makes all that sources add show through D/F, as what is emitted does.
 void takeSourcesAsEmitted(SolverState& state) {
-    for (int c = 0; c < state.channels && state.hasSource(); ++c)
-        for (std::size_t b = 0; b < state.volume.layout.brickCount(); ++b)
-            if (state.surfaces.normals(b))
-                std::copy_n(state.source[c].brick(b), kBrickVoxels, state.emitted[c].brick(state.surfaces.slots[b]));
+    for (int c = 0; c < state.medium.channels && state.power.hasSource(); ++c)
+        for (std::size_t b = 0; b < state.medium.volume.layout.brickCount(); ++b)
+            if (state.solid.surfaces.normals(b))
+                std::copy_n(state.power.source[c].brick(b), kBrickVoxels,
+                            state.solid.emitted[c].brick(state.solid.surfaces.slots[b]));
 }
 
 float largestOf(float value) {
@@ -233,7 +239,7 @@ double choosePowerUnit(const Scene& scene, const BrickLayout& layout) {
 }  // namespace
 
 Emitters addDirectLight(SolverState& state, const Scene& scene) {
-    state.powerUnit = choosePowerUnit(scene, state.volume.layout);
+    state.power.unit = choosePowerUnit(scene, state.medium.volume.layout);
     allocateSources(state, scene);
     const openvdb::math::Transform& transform = scene.medium.density->transform();
     for (const Sun& sun : scene.suns) addSun(state, sun);
@@ -241,9 +247,9 @@ Emitters addDirectLight(SolverState& state, const Scene& scene) {
     Emitters emitters;
     if (scene.medium.emission) emitters = addEmission(state, scene.medium);
     for (std::size_t i = 0; i < scene.quads.size(); ++i)
-        emitters.voxels += addQuad(state, scene.quads[i], *state.quadAreas[i]);
+        emitters.voxels += addQuad(state, scene.quads[i], *state.solid.quadAreas[i]);
     // What the paper's model shows of any light is what it deposits.
-    if (!state.surfaces.empty() && state.exchange == ExchangeModel::paper) takeSourcesAsEmitted(state);
+    if (!state.solid.surfaces.empty() && state.medium.exchange == ExchangeModel::paper) takeSourcesAsEmitted(state);
     return emitters;
 }
 

@@ -11,8 +11,8 @@ struct Emitters {
     std::size_t invisible = 0;  ///< those of the emission grid that have no extinction
 };
 
-/// Fills `state.source`, `perInjection` and `powerUnit`: what one injection adds; and `seen` and `emitted`: what of it
-/// shows on surfaces.
+/// Fills `state.power.source`, `perInjection` and `powerUnit`: what one injection adds; and `seen` and `emitted`: what
+/// of it shows on surfaces.
 Emitters addDirectLight(SolverState& state, const Scene& scene);
 
 }  // namespace raysweep

@@ -3,8 +3,10 @@
 #include "raysweep/core/error.h"
 #include "raysweep/illuminate/answer.h"
 #include "raysweep/illuminate/direct.h"
-#include "raysweep/illuminate/estimate.h"
+#include "raysweep/illuminate/power_balance.h"
 #include "raysweep/illuminate/sweeps.h"
+
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -14,6 +16,17 @@ double sweepsToReach(const BrickLayout& layout, std::size_t emitters) {
     if (emitters == 0) return 0;
     const double radius = 0.5 * Vec3(layout.high - layout.low).length();
     return 4 * kPi * radius * radius / double(emitters);
+}
+
+void take(SweepRecord record, Illumination& result) {
+    result.termination = record.termination;
+    result.history = std::move(record.history);
+    result.sweeps = record.sweeps;
+    result.finishingSweeps = record.finishingSweeps;
+    result.coarseSweeps = record.coarseSweeps;
+    result.seconds.coarse = record.coarseSeconds;
+    result.seconds.sweeps = record.sweepSeconds;
+    result.seconds.finish = record.finishSeconds;
 }
 
 }  // namespace
@@ -28,23 +41,23 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
 
     Timer timer;
     SolverState state = prepareState(scene, options, result.plan);
-    result.activeVoxels = state.volume.layout.activeVoxels;
+    result.activeVoxels = state.medium.volume.layout.activeVoxels;
     result.thickShare = thickShare(state);
-    if (result.plan.surfaces) result.surfaceVoxels = countSurfaceVoxels(state.surfaces);
+    if (result.plan.surfaces) result.surfaceVoxels = countSurfaceVoxels(state.solid.surfaces);
     result.seconds.prepare = timer.seconds();
 
     timer = Timer();
     const Emitters emitters = addDirectLight(state, scene);
     result.invisibleEmitters = emitters.invisible;
-    result.sweepsToReach = sweepsToReach(state.volume.layout, emitters.voxels);
+    result.sweepsToReach = sweepsToReach(state.medium.volume.layout, emitters.voxels);
     result.seconds.direct = timer.seconds();
     if (!report(progress, "direct light", 1))
         result.termination = Termination::interrupted;
-    else if (result.plan.sweeps && state.volume.layout.brickCount() > 0)
-        runSweeps(result, state, scene, options, progress);
+    else if (result.plan.sweeps && state.medium.volume.layout.brickCount() > 0)
+        take(runSweeps(state, {scene, options, progress}), result);
 
     timer = Timer();
-    if (result.sweeps == 0) result.power = balance(state);
+    result.power = powerBalance(state);
     result.radiosity = finalGrid(state, scene);
     if (result.plan.unshotGrid) result.unshot = unshotGrid(state, scene);
     result.seconds.output = timer.seconds();

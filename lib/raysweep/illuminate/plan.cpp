@@ -1,5 +1,6 @@
+#include "raysweep/illuminate/plan.h"
+
 #include "raysweep/core/error.h"
-#include "raysweep/illuminate/illuminate.h"
 
 #include <cmath>
 #include <sstream>
@@ -84,17 +85,6 @@ void Scene::validate() const {
         requireLight("a quad light's radiance", quad.radiance);
     }
     requireLight("the sky's radiance", sky.radiance);
-}
-
-void IlluminateOptions::validate() const {
-    if (zeta) requireBetween("zeta", *zeta, 0, 1, true);
-    requireBetween("tolerance", tolerance, 0, 1e30);
-    requireBetween("sweeps", sweeps, 0, 1e9);
-    requireBetween("unshot share", unshotShare, 0, 1, true);
-    requireBetween("batch", batch, 1, 1e5);
-    requireBetween("beams", beams, 0, kMostBeams);
-    requireBetween("surface threshold", surfaceThreshold, 0, 1, true);
-    requireBetween("snapshot interval", snapshotEvery, 0, 1e9);
 }
 
 Plan planIllumination(const Scene& scene, const IlluminateOptions& options) {

@@ -1,6 +1,6 @@
 #include "raysweep/bricks/gradient.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/illuminate/estimate.h"
+#include "raysweep/illuminate/radiosity.h"
 
 #include <utility>
 
@@ -20,13 +20,13 @@ bool scaleTo(BrickField& field, double total) {
 }  // namespace
 
 BrickField spreadUnshot(const SolverState& state, int channel) {
-    const BrickLayout& layout = state.volume.layout;
+    const BrickLayout& layout = state.medium.volume.layout;
     const Matrix3 indexFromWorld = layout.worldFromIndex.inverse();
     BrickField weights(layout.brickCount());
     const auto fill = [&](bool withGradient) {
         parallelFor(layout.brickCount(), [&](std::size_t b) {
-            const PaddedBrick<float> tau(layout, state.volume.map, state.volume.periodic, b,
-                                         [&](std::size_t n) { return state.tau.brick(n); });
+            const PaddedBrick<float> tau(layout, state.medium.volume.map, state.medium.volume.periodic, b,
+                                         [&](std::size_t n) { return state.medium.tau.brick(n); });
             for (int i = 0; i < kBrickVoxels; ++i) {
                 const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
                 if (tau.at(x, y, z) == 0) continue;

@@ -14,9 +14,6 @@
 namespace raysweep {
 namespace {
 
-// A voxel this thick is a wall; more would only overflow.
-constexpr float kThickest = 1e9f;
-
 /// Fields of a coarse level for each wavelength: those of a solution, and three to compare it with.
 constexpr std::size_t kCoarseFields = 8;
 
@@ -41,8 +38,8 @@ void addQuadNormals(SolverState& state, const QuadLight& quad, const openvdb::Fl
     const PackedNormal normal = packNormal(quad.u.cross(quad.v).normalized());
     for (auto area = areas.cbeginValueOn(); area; ++area) {
         const Index3 voxel(area.getCoord().x(), area.getCoord().y(), area.getCoord().z());
-        addSurfaceBrick(state.surfaces, state.volume.layout.brickCount(),
-                        state.volume.map.find(voxel))[offsetInBrick(voxel)] = normal;
+        addSurfaceBrick(state.solid.surfaces, state.medium.volume.layout.brickCount(),
+                        state.medium.volume.map.find(voxel))[offsetInBrick(voxel)] = normal;
     }
 }
 
@@ -79,75 +76,73 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     BrickLayout layout = layoutBricks(grids, bytesPerVoxel(scene, options, plan));
     Escape escape(layout.worldFromIndex);
     SolverState state(std::move(layout), options.periodic, std::move(escape));
-    state.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
-    state.surfaceThreshold = options.surfaceThreshold;
-    state.solids = plan.surfaces;
-    state.channels = plan.channels;
+    state.medium.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
+    state.solid.threshold = options.surfaceThreshold;
+    state.solid.present = plan.surfaces;
+    state.medium.channels = plan.channels;
 
-    const BrickLayout& bricks = state.volume.layout;
-    state.tau = gatherField(bricks, *medium.density, medium.extinctionScale * state.escape.meanStepLength());
+    const BrickLayout& bricks = state.medium.volume.layout;
+    state.medium.tau =
+        gatherField(bricks, *medium.density, medium.extinctionScale * state.medium.escape.meanStepLength());
     parallelFor(
         bricks.brickCount(),
         [&](std::size_t b) {
-            float* const tau = state.tau.brick(b);
+            float* const tau = state.medium.tau.brick(b);
             for (int i = 0; i < kBrickVoxels; ++i) tau[i] = tau[i] < kThinnest ? 0.0f : std::min(tau[i], kThickest);
         },
         16);
 
     if (plan.surfaces)
-        state.surfaces =
-            findSurfaces(bricks, state.volume.map, state.tau, options.periodic,
-                         std::cbrt(bricks.voxelVolume) / state.escape.meanStepLength(), options.surfaceThreshold);
-    state.quadAreas = std::move(quadAreas);
-    for (std::size_t i = 0; i < scene.quads.size(); ++i) addQuadNormals(state, scene.quads[i], *state.quadAreas[i]);
-    state.zero = uniformBrick(0);
-    state.uniformAlbedo = !medium.albedoGrid;
+        state.solid.surfaces = findSurfaces(bricks, state.medium.volume.map, state.medium.tau, options.periodic,
+                                            std::cbrt(bricks.voxelVolume) / state.medium.escape.meanStepLength(),
+                                            options.surfaceThreshold);
+    state.solid.quadAreas = std::move(quadAreas);
+    for (std::size_t i = 0; i < scene.quads.size(); ++i)
+        addQuadNormals(state, scene.quads[i], *state.solid.quadAreas[i]);
+    state.power.zero = uniformBrick(0);
+    state.medium.uniformAlbedo = !medium.albedoGrid;
     if (medium.albedoGrid) {
         checkAlbedo(*medium.albedoGrid);
         requireSameTransform(*medium.albedoGrid, *medium.density);
     }
-    for (int c = 0; c < state.channels; ++c)
-        state.albedo[c] =
+    for (int c = 0; c < state.medium.channels; ++c)
+        state.medium.albedo[c] =
             medium.albedoGrid ? gatherChannel(bricks, *medium.albedoGrid, c, 1) : uniformBrick(medium.albedo[c]);
     return state;
 }
 
 void allocateSweepFields(SolverState& state, const IlluminateOptions& options) {
-    const std::size_t bricks = state.volume.layout.brickCount();
-    for (int c = 0; c < state.channels; ++c) {
-        state.unshot[c] = BrickField(bricks);
-        state.recent[c] = BrickField(bricks);
-        state.total[c] = BrickField(bricks);
-        if (options.interpolation == Interpolation::linear) state.fresh[c] = BrickField(bricks);
+    const std::size_t bricks = state.medium.volume.layout.brickCount();
+    for (int c = 0; c < state.medium.channels; ++c) {
+        state.power.unshot[c] = BrickField(bricks);
+        state.power.recent[c] = BrickField(bricks);
+        state.power.total[c] = BrickField(bricks);
+        if (options.interpolation == Interpolation::linear) state.power.fresh[c] = BrickField(bricks);
     }
-    if (state.solids) state.furnace = BrickField(state.surfaces.bricks.size());
+    if (state.solid.present) state.solid.furnace = BrickField(state.solid.surfaces.bricks.size());
 }
 
 ExchangeFields exchangeFields(SolverState& state, bool injecting) {
     ExchangeFields fields;
-    fields.channels = state.channels;
-    fields.tau = viewOf(state.tau);
-    for (int c = 0; c < state.channels; ++c) {
-        fields.albedo[c] = state.albedoView(c);
-        const bool source = injecting && state.hasSource();
-        fields.source[c] = source ? BrickView<const float>(viewOf(state.source[c])) : sharedView(state.zero);
-        fields.unshot[c] = viewOf(state.unshot[c]);
-        fields.deposit[c] = viewOf(state.recent[c]);
-        fields.fresh[c] = viewOf(state.fresh[c]);
+    fields.channels = state.medium.channels;
+    fields.tau = viewOf(state.medium.tau);
+    for (int c = 0; c < state.medium.channels; ++c) {
+        fields.albedo[c] = state.medium.albedoView(c);
+        const bool source = injecting && state.power.hasSource();
+        fields.source[c] =
+            source ? BrickView<const float>(viewOf(state.power.source[c])) : sharedView(state.power.zero);
+        fields.unshot[c] = viewOf(state.power.unshot[c]);
+        fields.deposit[c] = viewOf(state.power.recent[c]);
+        fields.fresh[c] = viewOf(state.power.fresh[c]);
     }
-    if (!state.surfaces.empty()) fields.surfaces = &state.surfaces;
-    if (injecting && !state.furnace.empty()) fields.furnace = viewOf(state.furnace);
+    if (!state.solid.surfaces.empty()) fields.surfaces = &state.solid.surfaces;
+    if (injecting && !state.solid.furnace.empty()) fields.furnace = viewOf(state.solid.furnace);
     return fields;
 }
 
 void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g) {
-    effectiveAlbedos(state.exchange, state.escape.fit(), state.surfaces.normals(b), state.tau.brick(b),
-                     state.albedoView(channel).brick(b), g);
-}
-
-ChannelPower& ChannelPower::operator+=(const ChannelPower& other) {
-    for (int c = 0; c < kMaxChannels; ++c) value[c] += other.value[c];
-    return *this;
+    effectiveAlbedos(state.medium.exchange, state.medium.escape.fit(), state.solid.surfaces.normals(b),
+                     state.medium.tau.brick(b), state.medium.albedoView(channel).brick(b), g);
 }
 
 double sumOf(const BrickField& field) {
@@ -163,8 +158,8 @@ double sumOf(const BrickField& field) {
 
 ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams) {
     ExchangeStep step;
-    step.model = state.exchange;
-    step.escape = state.escape.fit();
+    step.model = state.medium.exchange;
+    step.escape = state.medium.escape.fit();
     step.zeta = float(zeta);
     // A hair less than its share where shares are rounded, so that together they never take more than there is.
     constexpr float kRounding = 1e-6f;
@@ -173,26 +168,25 @@ ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams) {
     return step;
 }
 
-Beam darkBeam(const SolverState& state, const RayFront& front) {
+Beam darkBeam(const MediumFields& medium, const RayFront& front) {
     Beam beam;
     beam.front = front;
-    const double length =
-        state.exchange == ExchangeModel::paper ? std::cbrt(state.volume.layout.voxelVolume) : front.stepLength;
-    beam.stepScale = float(length / state.escape.meanStepLength());
-    beam.furnaceRay = float(front.crossSection / state.voxelFace());
+    const double length = medium.exchange == ExchangeModel::paper ? medium.voxelEdge() : front.stepLength;
+    beam.stepScale = float(length / medium.escape.meanStepLength());
+    beam.furnaceRay = float(front.crossSection / medium.voxelFace());
     return beam;
 }
 
 double thickShare(const SolverState& state) {
-    const double limit = 2 * state.escape.meanStepLength() / std::cbrt(state.volume.layout.voxelVolume);
-    const double thick = orderedSum(state.volume.layout.brickCount(), [&](std::size_t b) {
-        const PackedNormal* const normals = state.surfaces.normals(b);
+    const double limit = 2 * state.medium.escape.meanStepLength() / state.medium.voxelEdge();
+    const double thick = orderedSum(state.medium.volume.layout.brickCount(), [&](std::size_t b) {
+        const PackedNormal* const normals = state.solid.surfaces.normals(b);
         int count = 0;
         for (int i = 0; i < kBrickVoxels; ++i)
-            count += double(state.tau.brick(b)[i]) > limit && !(normals && normals[i] != 0);
+            count += double(state.medium.tau.brick(b)[i]) > limit && !(normals && normals[i] != 0);
         return double(count);
     });
-    return thick / std::max<double>(1, double(state.volume.layout.activeVoxels));
+    return thick / std::max<double>(1, double(state.medium.volume.layout.activeVoxels));
 }
 
 }  // namespace raysweep

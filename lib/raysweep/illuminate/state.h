@@ -1,60 +1,81 @@
-/// What the solver holds while it works: fields over the bricks, and the books of power.
+/// What the solver holds while it works: what light meets, where solids have surfaces, and power on its way.
 #pragma once
 
 #include "raysweep/bricks/surface.h"
-#include "raysweep/illuminate/illuminate.h"
+#include "raysweep/illuminate/options.h"
+#include "raysweep/illuminate/plan.h"
+#include "raysweep/illuminate/power_balance.h"
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace raysweep {
 
-/// Powers are kept in units of `powerUnit`, so that floats work for any voxel size and any strength of light.
-struct SolverState {
-    SolverState(BrickLayout layout, const Periodic& periodic, Escape ofVoxels)
+/// What light meets, whether it shines or not.
+struct MediumFields {
+    MediumFields(BrickLayout layout, const Periodic& periodic, Escape ofVoxels)
         : volume(std::move(layout), periodic), escape(std::move(ofVoxels)) {}
 
     SweepVolume volume;
     Escape escape;
     ExchangeModel exchange = ExchangeModel::consistent;
-    bool solids = false;  ///< surfaces are more than those of quad lights
-    Surfaces surfaces;
-    double surfaceThreshold = 0;
     int channels = 1;
-    double powerUnit = 1;  ///< W
-
     BrickField tau;                   ///< extinction * mean step length
     BrickField albedo[kMaxChannels];  ///< one brick if uniform
     bool uniformAlbedo = true;
-    BrickField
-        source[kMaxChannels];  ///< power to be shot that each injection adds; empty without direct light or emission
-    BrickField unshot[kMaxChannels];
-    BrickField recent[kMaxChannels];                 ///< deposit since the last fold
-    BrickField total[kMaxChannels];                  ///< deposit up to the last fold
-    BrickField fresh[kMaxChannels];                  ///< deposit of this sweep; `linear` only
-    std::vector<openvdb::FloatGrid::Ptr> quadAreas;  ///< see rasterizeQuad
-    BrickField zero;                                 ///< one brick of nothing
 
-    // Of the surfaces' bricks alone:
-    BrickField furnace;                ///< sum of F over all injections; empty if not measured
-    BrickField seen[kMaxChannels];     ///< S of direct light, in `radianceUnit`
-    BrickField emitted[kMaxChannels];  ///< the part of `source` that is not in `seen`
+    BrickView<const float> albedoView(int channel) const {
+        return uniformAlbedo ? sharedView(albedo[channel]) : viewOf(albedo[channel]);
+    }
+    double voxelEdge() const { return std::cbrt(volume.layout.voxelVolume); }  ///< of a cube of a voxel's volume
+    double voxelFace() const { return voxelEdge() * voxelEdge(); }
+};
+
+/// Surfaces of solids and of quad lights, and what they show. The fields are of the surfaces' bricks alone.
+struct SolidFields {
+    bool present = false;  ///< there are surfaces besides those of quad lights
+    double threshold = 0;  ///< see IlluminateOptions::surfaceThreshold
+    Surfaces surfaces;
+    std::vector<openvdb::FloatGrid::Ptr> quadAreas;  ///< see rasterizeQuad
+    BrickField furnace;                              ///< sum of F over all injections; empty if not measured
+    BrickField seen[kMaxChannels];                   ///< S of direct light, in `radianceUnit`
+    BrickField emitted[kMaxChannels];                ///< the part of `source` that is not in `seen`
+};
+
+/// Power, in a unit that lets floats work for any voxel size and any strength of light.
+struct PowerFields {
+    double unit = 1;  ///< W
+    /// What each injection adds to what is to be shot; empty without direct light or emission.
+    BrickField source[kMaxChannels];
+    BrickField unshot[kMaxChannels];
+    BrickField recent[kMaxChannels];  ///< deposit since the last look (convergence.h)
+    BrickField total[kMaxChannels];   ///< deposit up to the last look
+    BrickField fresh[kMaxChannels];   ///< deposit of this sweep; `linear` only
+    BrickField zero;                  ///< one brick of nothing
 
     int injections = 0;
-    PowerBalance perInjection;  ///< of direct light and emission, for one injection, in powerUnit
-    PowerBalance swept;         ///< of the rays of all sweeps so far, in powerUnit
+    PowerBalance perInjection;  ///< of direct light and emission, for one injection, in `unit`
+    PowerBalance swept;         ///< what rays of all sweeps so far brought in and out, in `unit`
 
-    /// A power spread over the face of a voxel and all directions.
-    double voxelFace() const { return std::cbrt(volume.layout.voxelVolume) * std::cbrt(volume.layout.voxelVolume); }
-    double radianceUnit() const { return powerUnit / voxelFace(); }  ///< W m^-2 sr^-1
+    bool hasSource() const { return !source[0].empty(); }
+};
+
+struct SolverState {
+    SolverState(BrickLayout layout, const Periodic& periodic, Escape ofVoxels)
+        : medium(std::move(layout), periodic, std::move(ofVoxels)) {}
+
+    MediumFields medium;
+    SolidFields solid;
+    PowerFields power;
+
+    /// W m^-2 sr^-1: a unit of power spread over the face of a voxel and all directions.
+    double radianceUnit() const { return power.unit / medium.voxelFace(); }
     /// tau from which on a voxel without a surface is the inside of a solid, if there are solids: an opacity that would
     /// make a surface if it began there.
     double solidTau() const {
-        if (!solids) return INFINITY;
-        return -std::log1p(-surfaceThreshold) * escape.meanStepLength() / std::cbrt(volume.layout.voxelVolume);
-    }
-    bool hasSource() const { return !source[0].empty(); }
-    BrickView<const float> albedoView(int channel) const {
-        return uniformAlbedo ? sharedView(albedo[channel]) : viewOf(albedo[channel]);
+        if (!solid.present) return INFINITY;
+        return -std::log1p(-solid.threshold) * medium.escape.meanStepLength() / medium.voxelEdge();
     }
 };
 
@@ -73,13 +94,6 @@ ExchangeFields exchangeFields(SolverState& state, bool injecting);
 /// Effective albedo of the 512 voxels of brick `b`.
 void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g);
 
-/// One power for each wavelength.
-struct ChannelPower {
-    double value[kMaxChannels] = {0};
-    ChannelPower& operator+=(const ChannelPower& other);
-    double sum() const { return value[0] + value[1] + value[2]; }
-};
-
 /// Sum over all voxels.
 double sumOf(const BrickField& field);
 
@@ -87,7 +101,7 @@ double sumOf(const BrickField& field);
 ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams);
 
 /// The beam of `front`, dark.
-Beam darkBeam(const SolverState& state, const RayFront& front);
+Beam darkBeam(const MediumFields& medium, const RayFront& front);
 
 /// Part of the active voxels that are a medium and whose optical depth (extinction * edge of a cube of a voxel's
 /// volume) is above 2.

@@ -2,7 +2,7 @@
 
 #include "raysweep/bricks/padded_brick.h"
 #include "raysweep/core/parallel.h"
-#include "raysweep/illuminate/estimate.h"
+#include "raysweep/illuminate/radiosity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,7 +29,7 @@ struct Filled {
 bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_t b, int depth,
                std::vector<Filled>& filled) {
     const double thickest = -std::log(kVisible) / depth;
-    const float* const tau = state.tau.brick(b);
+    const float* const tau = state.medium.tau.brick(b);
     const float* const own = radiosity.brick(b);
     const auto isUnknown = [&](int i) { return own[i] < 0 && tau[i] > 0; };
     const auto isSeen = [&](int i) { return double(tau[i]) < thickest; };
@@ -40,10 +40,10 @@ bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_
     }
     // The first layer is always seen: by interpolation.
     if (!(depth == 1 ? unknown : seen)) return false;
-    const PaddedBrick<float> values(state.volume.layout, state.volume.map, state.volume.periodic, b,
-                                    [&](std::size_t n) { return radiosity.brick(n); });
-    const PaddedBrick<float> depths(state.volume.layout, state.volume.map, state.volume.periodic, b,
-                                    [&](std::size_t n) { return state.tau.brick(n); });
+    const PaddedBrick<float> values(state.medium.volume.layout, state.medium.volume.map, state.medium.volume.periodic,
+                                    b, [&](std::size_t n) { return radiosity.brick(n); });
+    const PaddedBrick<float> depths(state.medium.volume.layout, state.medium.volume.map, state.medium.volume.periodic,
+                                    b, [&](std::size_t n) { return state.medium.tau.brick(n); });
     for (int i = 0; i < kBrickVoxels; ++i) {
         if (!isUnknown(i) || !(depth == 1 || isSeen(i))) continue;
         double sum = 0;
@@ -61,22 +61,22 @@ bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_
 }  // namespace
 
 BrickField evenedOut(const SolverState& state, const BrickField& met) {
-    const BrickLayout& layout = state.volume.layout;
+    const BrickLayout& layout = state.medium.volume.layout;
     const auto ofSurfaces = [&](const BrickField& field, std::size_t b) {
-        return state.surfaces.normals(b) ? field.brick(state.surfaces.slots[b]) : nullptr;
+        return state.solid.surfaces.normals(b) ? field.brick(state.solid.surfaces.slots[b]) : nullptr;
     };
     BrickField even(met.brickCount());
     parallelFor(layout.brickCount(), [&](std::size_t b) {
-        const PackedNormal* const own = state.surfaces.normals(b);
+        const PackedNormal* const own = state.solid.surfaces.normals(b);
         if (!own) return;
         const auto padded = [&](const BrickField& field) {
-            return PaddedBrick<float>(layout, state.volume.map, state.volume.periodic, b,
+            return PaddedBrick<float>(layout, state.medium.volume.map, state.medium.volume.periodic, b,
                                       [&](std::size_t n) { return ofSurfaces(field, n); });
         };
-        const PaddedBrick<float> values = padded(met), weights = padded(state.furnace);
-        const PaddedBrick<PackedNormal> normals(layout, state.volume.map, state.volume.periodic, b,
-                                                [&](std::size_t n) { return state.surfaces.normals(n); });
-        float* const to = even.brick(state.surfaces.slots[b]);
+        const PaddedBrick<float> values = padded(met), weights = padded(state.solid.furnace);
+        const PaddedBrick<PackedNormal> normals(layout, state.medium.volume.map, state.medium.volume.periodic, b,
+                                                [&](std::size_t n) { return state.solid.surfaces.normals(n); });
+        float* const to = even.brick(state.solid.surfaces.slots[b]);
         for (int i = 0; i < kBrickVoxels; ++i) {
             if (own[i] == 0) continue;
             double sum = 0, weight = 0;
@@ -92,8 +92,8 @@ BrickField evenedOut(const SolverState& state, const BrickField& met) {
 }
 
 void fillSolids(const SolverState& state, BrickField& radiosity) {
-    if (state.furnace.empty()) return;
-    std::vector<std::size_t> bricks(state.volume.layout.brickCount());
+    if (state.solid.furnace.empty()) return;
+    std::vector<std::size_t> bricks(state.medium.volume.layout.brickCount());
     for (std::size_t b = 0; b < bricks.size(); ++b) bricks[b] = b;
     for (int depth = 1; depth <= kDeepest && !bricks.empty(); ++depth) {
         std::vector<std::vector<Filled>> filled(bricks.size());

@@ -2,7 +2,9 @@
 
 #include "raysweep/illuminate/answer.h"
 #include "raysweep/illuminate/coarse_level.h"
-#include "raysweep/illuminate/estimate.h"
+#include "raysweep/illuminate/convergence.h"
+#include "raysweep/illuminate/power_balance.h"
+#include "raysweep/illuminate/radiosity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +14,7 @@
 namespace raysweep {
 namespace {
 
-constexpr int kFoldInterval = 20;   ///< the paper's delta i: sweeps between estimates that are compared
+constexpr int kLookInterval = 20;   ///< the paper's delta i: sweeps between estimates that are compared
 constexpr int kFewestSweeps = 40;   ///< two estimates at least
 constexpr int kFinishInterval = 4;  ///< finishing sweeps between looks at what is left
 constexpr int kCoarseSweeps = 40;
@@ -38,15 +40,16 @@ constexpr Pace kSettling{0.5, 1};  ///< of a change on a coarse level
 /// what is in a voxel: surfaces would be lost. The paper's way is to begin in the dark. And where bricks are scattered,
 /// as many coarse ones would be just as much work.
 std::vector<Index3> bricksToStartFrom(const SolverState& state, const IlluminateOptions& options) {
-    const BrickLayout& layout = state.volume.layout;
-    if (!mayStartCoarse(options) || !state.surfaces.empty() || layout.brickCount() < kFewestBricks) return {};
+    const BrickLayout& layout = state.medium.volume.layout;
+    if (!mayStartCoarse(options) || !state.solid.surfaces.empty() || layout.brickCount() < kFewestBricks) return {};
     std::vector<Index3> origins = coarseOrigins(layout);
     return origins.size() * kFewestMerged <= layout.brickCount() ? std::move(origins) : std::vector<Index3>();
 }
 
 /// Of voxels that are not empty.
 double meanDepth(const SolverState& state) {
-    const double sum = sumOf(state.tau), count = double(std::max<std::size_t>(1, state.volume.layout.activeVoxels));
+    const double sum = sumOf(state.medium.tau),
+                 count = double(std::max<std::size_t>(1, state.medium.volume.layout.activeVoxels));
     return sum / count;
 }
 
@@ -72,7 +75,7 @@ class Solver {
           mostBeams_(pace.beams),
           directions_(
               {options.directions, options.batch, options.seed, mostBeams_, options.tolerance > 0 ? 0 : options.sweeps},
-              [inverse = state.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
+              [inverse = state.medium.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
                   return directionClass(direction * inverse);
               }),
           offsets_(options.seed ^ 0x9e3779b97f4a7c15ull) {}
@@ -84,16 +87,16 @@ class Solver {
         for (const Vec3& direction : directions) beams.push_back(nextBeam(direction, inject));
         const ExchangeStep step = exchangeStep(state_, zeta_, mostBeams_);
         const ExchangeFields fields = exchangeFields(state_, inject == Inject::everything);
-        const std::vector<RaySums> sums = sweep(state_.volume, beams, options_.interpolation, fields, step);
-        if (options_.interpolation == Interpolation::linear) settle(state_.volume, beams, fields, step);
+        const std::vector<RaySums> sums = sweep(state_.medium.volume, beams, options_.interpolation, fields, step);
+        if (options_.interpolation == Interpolation::linear) settle(state_.medium.volume, beams, fields, step);
         for (std::size_t i = 0; i < sums.size(); ++i) {
-            for (int c = 0; c < state_.channels; ++c) {
-                state_.swept.injected[c] += sums[i].entered[c];
-                state_.swept.escaped[c] += sums[i].escaped[c];
+            for (int c = 0; c < state_.medium.channels; ++c) {
+                state_.power.swept.injected[c] += sums[i].entered[c];
+                state_.power.swept.escaped[c] += sums[i].escaped[c];
             }
             if (options_.afterSweep) options_.afterSweep(directions[i], inWatts(sums[i]));
         }
-        if (inject == Inject::everything) state_.injections += int(beams.size());
+        if (inject == Inject::everything) state_.power.injections += int(beams.size());
         return int(beams.size());
     }
 
@@ -111,8 +114,8 @@ class Solver {
 
     double injectedSoFar() const {
         double sum = 0;
-        for (int c = 0; c < state_.channels; ++c)
-            sum += state_.perInjection.injected[c] * state_.injections + state_.swept.injected[c];
+        for (int c = 0; c < state_.medium.channels; ++c)
+            sum += state_.power.perInjection.injected[c] * state_.power.injections + state_.power.swept.injected[c];
         return sum;
     }
 
@@ -120,8 +123,8 @@ class Solver {
     Beam nextBeam(const Vec3& direction, Inject inject) {
         const int reach = options_.interpolation == Interpolation::linear ? 1 : 0;
         const double column = uniform01(offsets_), row = uniform01(offsets_);
-        Beam beam = darkBeam(
-            state_, parallelFront(state_.volume.layout, direction, reach, column, row, state_.volume.periodic));
+        Beam beam = darkBeam(state_.medium, parallelFront(state_.medium.volume.layout, direction, reach, column, row,
+                                                          state_.medium.volume.periodic));
         if (inject == Inject::everything) setSky(beam, direction);
         return beam;
     }
@@ -129,15 +132,15 @@ class Solver {
     /// A single direction stands for the whole sphere: rays carry the radiance over 4 pi steradians.
     void setSky(Beam& beam, const Vec3& direction) const {
         const Color factor = scene_.sky.profile ? scene_.sky.profile(direction) : grey(1);
-        for (int c = 0; c < state_.channels; ++c)
+        for (int c = 0; c < state_.medium.channels; ++c)
             beam.entering[c] = float(double(scene_.sky.radiance[c]) * std::max(0.0, double(factor[c])) * 4 * kPi *
-                                     beam.front.crossSection / state_.powerUnit);
+                                     beam.front.crossSection / state_.power.unit);
     }
 
     RaySums inWatts(RaySums totals) const {
         for (int c = 0; c < kMaxChannels; ++c) {
-            totals.entered[c] *= state_.powerUnit;
-            totals.escaped[c] *= state_.powerUnit;
+            totals.entered[c] *= state_.power.unit;
+            totals.escaped[c] *= state_.power.unit;
         }
         return totals;
     }
@@ -154,43 +157,44 @@ class Solver {
 
 /// Sweeps from `n` on to where something is to be looked at.
 int sweepsToNextStop(int n, const IlluminateOptions& options) {
-    int most = std::min(options.sweeps - n, kFoldInterval - n % kFoldInterval);
+    int most = std::min(options.sweeps - n, kLookInterval - n % kLookInterval);
     if (options.snapshotEvery > 0) most = std::min(most, options.snapshotEvery - n % options.snapshotEvery);
     return most;
 }
 
 /// Sweeps until the estimate stands still. @return how it ended
-Termination iterate(Solver& solver, SolverState& state, const Scene& scene, const IlluminateOptions& options,
-                    const ProgressCallback& progress, std::vector<ConvergencePoint>& history) {
+Termination iterate(Solver& solver, SolverState& state, const SweepJob& job, std::vector<ConvergencePoint>& history) {
+    const IlluminateOptions& options = job.options;
     double done = 0;
-    while (state.injections < options.sweeps) {
-        solver.sweepNext(Inject::everything, sweepsToNextStop(state.injections, options));
-        const int n = state.injections;
-        if (n % kFoldInterval == 0) {
-            const double rms = foldDeposits(state, kFoldInterval);
+    while (state.power.injections < options.sweeps) {
+        solver.sweepNext(Inject::everything, sweepsToNextStop(state.power.injections, options));
+        const int n = state.power.injections;
+        if (n % kLookInterval == 0) {
+            const double rms = accumulateAndMeasureChange(state, kLookInterval);
             history.push_back({n, rms, solver.unshotShare()});
             if (n >= kFewestSweeps && rms < options.tolerance) return Termination::converged;
             // The difference falls like 1/n, so this is about the part of the sweeps that are done.
             if (rms > 0) done = std::max(done, std::min(1.0, options.tolerance / rms));
         }
         if (options.snapshot && options.snapshotEvery > 0 && n % options.snapshotEvery == 0)
-            options.snapshot(n, snapshotGrid(state, scene, /*spread=*/!solver.hasStart()));
-        if (!report(progress, "sweeping", std::max(done, double(n) / options.sweeps))) return Termination::interrupted;
+            options.snapshot(n, snapshotGrid(state, job.scene, /*spread=*/!solver.hasStart()));
+        if (!report(job.progress, "sweeping", std::max(done, double(n) / options.sweeps)))
+            return Termination::interrupted;
     }
     return options.tolerance > 0 ? Termination::sweepLimit : Termination::converged;
 }
 
 /// Deposits all unshot power where it is likely to belong; what is scattered of it stays unshot.
 void spreadRemaining(SolverState& state) {
-    for (int c = 0; c < state.channels; ++c) {
+    for (int c = 0; c < state.medium.channels; ++c) {
         const BrickField deposit = spreadUnshot(state, c);
         if (deposit.empty()) continue;  // nowhere to put it: it stays unshot
-        for (std::size_t b = 0; b < state.volume.layout.brickCount(); ++b) {
+        for (std::size_t b = 0; b < state.medium.volume.layout.brickCount(); ++b) {
             alignas(64) float g[kBrickVoxels];
             effectiveAlbedos(state, c, b, g);
             for (int i = 0; i < kBrickVoxels; ++i) {
-                state.recent[c].brick(b)[i] += deposit.brick(b)[i];
-                state.unshot[c].brick(b)[i] = g[i] * deposit.brick(b)[i];
+                state.power.recent[c].brick(b)[i] += deposit.brick(b)[i];
+                state.power.unshot[c].brick(b)[i] = g[i] * deposit.brick(b)[i];
             }
         }
     }
@@ -208,7 +212,7 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
         }
         for (const int end = sweeps + kFinishInterval; sweeps < end;)
             sweeps += solver.sweepNext(Inject::nothing, end - sweeps);
-        if (sweeps % kFoldInterval == 0) foldDeposits(state);
+        if (sweeps % kLookInterval == 0) accumulateDeposits(state);
         left = unshotPower(state).sum();
         const double done = std::log(first / left) / std::log(first / enough);
         if (!report(progress, "finishing", std::min(1.0, std::max(0.0, done)))) {
@@ -222,66 +226,68 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
 /// Solves the coarse level of `bricks` (which may start from one coarser still), and lets `state` begin where that has
 /// ended.
 std::unique_ptr<CoarseLevel> startFromCoarse(std::vector<Index3> bricks, SolverState& state, Solver& solver,
-                                             const Scene& scene, const IlluminateOptions& options,
-                                             const ProgressCallback& progress) {
+                                             const SweepJob& job, SweepRecord& record) {
     auto coarse = std::make_unique<CoarseLevel>(state, std::move(bricks));
-    IlluminateOptions onCoarse = options;
+    IlluminateOptions onCoarse = job.options;
     onCoarse.sweeps = kCoarseSweeps;
     onCoarse.tolerance = 0;
     onCoarse.snapshotEvery = 0;
     onCoarse.afterSweep = {};
-    onCoarse.seed = options.seed + 1;
-    Illumination result;
-    runSweeps(result, coarse->state, scene, onCoarse,
-              [&](const std::string&, double) { return report(progress, "coarse start", 0); });
+    onCoarse.seed = job.options.seed + 1;
+    const SweepRecord solution = runSweeps(coarse->state, {job.scene, onCoarse, [&](const std::string&, double) {
+                                                               return report(job.progress, "coarse start", 0);
+                                                           }});
+    record.coarseSweeps +=
+        coarse->sweepCost(state) * (solution.sweeps + solution.finishingSweeps + solution.coarseSweeps);
     coarse->start(state, solver.shotByBeam());
     solver.startsWith(unshotPower(state).sum());
     return coarse;
 }
 
 /// Settles on the coarse level what has become more or less under way in `state` since the start.
-/// @return the books of `state`
-PowerBalance settleOnCoarse(CoarseLevel& coarse, SolverState& state, double enough, const Scene& scene,
-                            const IlluminateOptions& options, const ProgressCallback& progress,
-                            Termination& termination) {
-    IlluminateOptions onCoarse = options;
+void settleOnCoarse(CoarseLevel& coarse, SolverState& state, double enough, const SweepJob& job, SweepRecord& record) {
+    IlluminateOptions onCoarse = job.options;
     onCoarse.afterSweep = {};
     for (const int sign : {1, -1}) {
         coarse.takeChange(state, sign);
         // The same directions for both: their noise is the same.
-        Solver solver(scene, onCoarse, coarse.state, kSettling);
-        shootRemaining(solver, coarse.state, enough, progress, termination);
-        coarse.bookChange(sign);
+        Solver solver(job.scene, onCoarse, coarse.state, kSettling);
+        const int sweeps = shootRemaining(solver, coarse.state, enough, job.progress, record.termination);
+        record.coarseSweeps += coarse.sweepCost(state) * sweeps;
+        coarse.rememberChange(sign);
     }
-    return coarse.settle(state);
+    coarse.settle(state);
 }
 
 }  // namespace
 
-void runSweeps(Illumination& result, SolverState& state, const Scene& scene, const IlluminateOptions& options,
-               const ProgressCallback& progress) {
+SweepRecord runSweeps(SolverState& state, const SweepJob& job) {
+    const IlluminateOptions& options = job.options;
+    SweepRecord record;
     Timer timer;
     allocateSweepFields(state, options);
     std::vector<Index3> coarseBricks = bricksToStartFrom(state, options);
     const bool fromCoarse = !coarseBricks.empty();
-    Solver solver(scene, options, state, paceOf(state, options, fromCoarse));
+    Solver solver(job.scene, options, state, paceOf(state, options, fromCoarse));
     std::unique_ptr<CoarseLevel> coarse;
-    if (fromCoarse) coarse = startFromCoarse(std::move(coarseBricks), state, solver, scene, options, progress);
-    result.seconds.coarse = timer.seconds();
-    result.termination = iterate(solver, state, scene, options, progress, result.history);
-    result.seconds.sweeps = timer.seconds() - result.seconds.coarse;
-    const bool shoot = options.remaining == Remaining::shoot, stopped = result.termination == Termination::interrupted;
+    if (fromCoarse) coarse = startFromCoarse(std::move(coarseBricks), state, solver, job, record);
+    record.coarseSeconds = timer.seconds();
+    timer = Timer();
+    record.termination = iterate(solver, state, job, record.history);
+    record.sweepSeconds = timer.seconds();
+    timer = Timer();
+    const bool shoot = options.remaining == Remaining::shoot, stopped = record.termination == Termination::interrupted;
     const double enough = options.unshotShare * solver.injectedSoFar();
     if (coarse)
-        result.power = settleOnCoarse(*coarse, state, enough, scene, options, progress, result.termination);
+        settleOnCoarse(*coarse, state, enough, job, record);
     else if (shoot && !stopped)
-        result.finishingSweeps = shootRemaining(solver, state, enough, progress, result.termination);
+        record.finishingSweeps = shootRemaining(solver, state, enough, job.progress, record.termination);
     // Asked to stop, spreading is the quickest way to an answer that has all the power.
     else if (options.remaining != Remaining::drop)
         spreadRemaining(state);
-    if (!coarse) result.power = balance(state);
-    result.seconds.finish = timer.seconds() - result.seconds.coarse - result.seconds.sweeps;
-    result.sweeps = state.injections;
+    record.finishSeconds = timer.seconds();
+    record.sweeps = state.power.injections;
+    return record;
 }
 
 }  // namespace raysweep

@@ -1,46 +1,24 @@
 #include "raysweep/sweep/escape.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/parallel.h"
 #include "raysweep/sweep/axis.h"
 #include "raysweep/sweep/directions.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
+#include <iterator>
 
 namespace raysweep {
 namespace {
 
 constexpr int kDirections = 16384;
 constexpr int kQuantiles = 256;
-// The table's nodes are the numbers with these first bits: the exponent and six of the mantissa, so 64 for each octave.
-// Below it 1 - t/2 is p, above it <1/l>/t, both within the rounding of a float.
-constexpr int kDroppedBits = 46;
-constexpr double kTableLow = 1.0 / 4096, kTableHigh = 1024;
-constexpr std::uint64_t kFirstNode = (1023 - 12) << 6;  ///< kTableLow
-
-std::uint64_t nodeBelow(double t) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &t, sizeof bits);
-    return bits >> kDroppedBits;
-}
-
-double nodeValue(std::uint64_t node) {
-    const std::uint64_t bits = node << kDroppedBits;
-    double t;
-    std::memcpy(&t, &bits, sizeof t);
-    return t;
-}
-
 double escapeAlong(double t) {
     constexpr double kOpaque = 40;  // from here on 1 - exp(-t) is 1
     return t > kOpaque ? 1 / t : t > 0 ? -std::expm1(-t) / t : 1;
 }
 
-/// Solves A x = y for a symmetric positive definite matrix (Cholesky); n is at most 6.
+/// Solves A x = y for a symmetric positive definite matrix (Cholesky); n is at most 9.
 std::vector<double> solveNormalEquations(std::vector<std::vector<double>> A, std::vector<double> y) {
     const std::size_t n = y.size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -93,8 +71,8 @@ EscapeFit fitOnce(const std::vector<Sample>& samples, int n, double meanInverse)
 }
 
 bool isUsable(const EscapeFit& fit) {
-    return std::all_of(fit.a, fit.a + 4, [](float c) { return c >= 0; }) &&
-           std::all_of(fit.b, fit.b + 3, [](float c) { return c >= 0; });
+    return std::all_of(std::begin(fit.a), std::end(fit.a), [](float c) { return c >= 0; }) &&
+           std::all_of(std::begin(fit.b), std::end(fit.b), [](float c) { return c >= 0; });
 }
 
 /// Fits by repeated least squares, each time weighted by the last denominator, which makes the error relative.
@@ -131,12 +109,11 @@ Escape::Escape(const Matrix3& worldFromIndex) {
         lengths_.push_back(part / kEach / meanStepLength_);
     }
     for (const double l : lengths_) meanInverse_ += 1 / l / kQuantiles;
-    fillTable();
 
     std::vector<Sample> samples;
     for (double log = -3; log <= 4; log += 0.025) samples.push_back({std::pow(10, log), 0, 1});
-    for (Sample& s : samples) s.p = probability(s.t);
-    for (const int degree : {3, 2}) {
+    for (Sample& s : samples) s.p = probabilityByQuadrature(s.t);
+    for (int degree = EscapeFit::kDegree; degree >= 2; --degree) {
         fit_ = fitDegree(samples, degree, meanInverse_);
         if (isUsable(fit_) && fit_.maxRelativeError < 0.01) return;
     }
@@ -154,27 +131,6 @@ Escape Escape::scaled(double factor) const {
     Escape result = *this;
     result.meanStepLength_ *= factor;
     return result;
-}
-
-void Escape::fillTable() {
-    table_.resize(std::size_t(nodeBelow(kTableHigh) - kFirstNode + 1));
-    parallelFor(
-        table_.size(),
-        [&](std::size_t i) {
-            table_[i].t = nodeValue(kFirstNode + i);
-            table_[i].inverse = 1 / probabilityByQuadrature(table_[i].t);
-        },
-        64);
-    for (std::size_t i = 0; i + 1 < table_.size(); ++i)
-        table_[i].slope = (table_[i + 1].inverse - table_[i].inverse) / (table_[i + 1].t - table_[i].t);
-}
-
-double Escape::inverseProbability(double t) const {
-    if (!(t > kTableLow)) return 1 / (1 - 0.5 * t);
-    if (t >= kTableHigh) return t / meanInverse_;
-    // Between two nodes 1/p is nearly straight in t.
-    const Node& node = table_[std::size_t(nodeBelow(t) - kFirstNode)];
-    return node.inverse + node.slope * (t - node.t);
 }
 
 }  // namespace raysweep

@@ -7,17 +7,33 @@
 
 namespace raysweep {
 
-/// p(t) as a ratio of polynomials, for kernels: p ~ (1 + b1 t + b2 t^2 + b3 t^3) / (1 + a1 t + ... + a4 t^4), with
-/// all coefficients >= 0, so that it has no pole, 0 < p <= 1, and the right value and slope at both ends.
+/// p(t) as a ratio of polynomials: p ~ (1 + b1 t + ... + b5 t^5) / (1 + a1 t + ... + a6 t^6), with all coefficients
+/// >= 0, so that it has no pole, 0 < p <= 1, and the right value and slope at both ends. The exchange, the answer and
+/// the balance of power all use this one p: what one of them takes to be absorbed is so for the others.
 struct EscapeFit {
-    float a[4] = {0, 0, 0, 0};
-    float b[3] = {0, 0, 0};
+    static constexpr int kDegree = 5;  ///< of the numerator; the denominator's is one more
+    float a[kDegree + 1] = {0};
+    float b[kDegree] = {0};
     double maxRelativeError = 0;  ///< over t in [1e-3, 1e4]
 
-    double numerator(double t) const { return 1 + t * (b[0] + t * (b[1] + t * b[2])); }
-    double denominator(double t) const { return 1 + t * (a[0] + t * (a[1] + t * (a[2] + t * a[3]))); }
-    double probability(double t) const { return numerator(t) / denominator(t); }
+    /// @tparam Real float, for t up to kThickest, or double
+    template <class Real>
+    Real probability(Real t) const {
+        return polynomial(b, t) / polynomial(a, t);
+    }
+
+  private:
+    /// 1 + c[0] t + ... + c[n - 1] t^n
+    template <class Real, int n>
+    static Real polynomial(const float (&c)[n], Real t) {
+        Real sum = Real(c[n - 1]);
+        for (int k = n - 1; k-- > 0;) sum = Real(c[k]) + t * sum;
+        return 1 + t * sum;
+    }
 };
+
+/// Largest t for kernels: the fit's t^6 is within the range of floats.
+constexpr float kThickest = 1e6f;
 
 /// Step lengths of a voxel over all directions, and what follows from them.
 ///
@@ -34,22 +50,13 @@ class Escape {
 
     double meanStepLength() const { return meanStepLength_; }  ///< world units
     double meanInverseLength() const { return meanInverse_; }  ///< <1/l>
-    /// Exact p, interpolated in a table to 1e-5.
-    double probability(double t) const { return 1 / inverseProbability(t); }
-    double inverseProbability(double t) const;  ///< 1/p
-    /// The same by quadrature, for tests and the table.
-    double probabilityByQuadrature(double t) const;
     const EscapeFit& fit() const { return fit_; }
+    /// p by quadrature, to 1e-5: what the fit is fitted to.
+    double probabilityByQuadrature(double t) const;
 
   private:
-    void fillTable();
-
     std::vector<double> lengths_;  ///< quantiles of l, equally likely
     double meanStepLength_ = 0, meanInverse_ = 0;
-    struct Node {
-        double t, inverse, slope = 0;  ///< 1/p there, and from there to the next node
-    };
-    std::vector<Node> table_;
     EscapeFit fit_;
 };
 

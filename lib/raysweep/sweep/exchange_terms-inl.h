@@ -28,19 +28,12 @@ struct RowTerms {
     Vec shot;     ///< out / U
 };
 
-/// 1 + c0 t + c1 t^2 + c2 t^3
-HWY_INLINE Vec cubic(Vec t, const float* c) {
-    const Vec inner = hn::MulAdd(t, hn::Set(kLanes, c[2]), hn::Set(kLanes, c[1]));
-    return hn::MulAdd(t, hn::MulAdd(t, inner, hn::Set(kLanes, c[0])), hn::Set(kLanes, 1.0f));
-}
-
-/// 1 + c0 t + c1 t^2 + c2 t^3 + c3 t^4
-HWY_INLINE Vec quartic(Vec t, const float* c) {
-    return hn::MulAdd(
-        t,
-        hn::MulAdd(t, hn::MulAdd(t, hn::MulAdd(t, hn::Set(kLanes, c[3]), hn::Set(kLanes, c[2])), hn::Set(kLanes, c[1])),
-                   hn::Set(kLanes, c[0])),
-        hn::Set(kLanes, 1.0f));
+/// 1 + c[0] t + ... + c[n - 1] t^n
+template <int n>
+HWY_INLINE Vec polynomial(Vec t, const float (&c)[n]) {
+    Vec sum = hn::Set(kLanes, c[n - 1]);
+    for (int k = n - 1; k-- > 0;) sum = hn::MulAdd(t, sum, hn::Set(kLanes, c[k]));
+    return hn::MulAdd(t, sum, hn::Set(kLanes, 1.0f));
 }
 
 /// 1/x to about 1e-7, where the estimate is good enough by a Newton step, which is quicker than a division.
@@ -82,7 +75,7 @@ HWY_INLINE Vec thinOpacityOverDepth(Vec x) {
 template <ExchangeModel kModel>
 HWY_INLINE Vec inverseEscape(const ExchangeStep& step, Vec tau) {
     if (kModel == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
-    return hn::Mul(quartic(tau, step.escape.a), reciprocal(cubic(tau, step.escape.b)));
+    return hn::Mul(polynomial(tau, step.escape.a), reciprocal(polynomial(tau, step.escape.b)));
 }
 
 /// Terms of voxels without a surface. With `kThinOnly` tau `stepScale` is at most kThin, and a polynomial does.
@@ -165,11 +158,11 @@ HWY_INLINE Vec withoutEscape(const PackedNormal* normals, Vec inverseEscape) {
     return hn::IfThenElse(surface, hn::Set(kLanes, 1.0f), inverseEscape);
 }
 
-/// g = albedo p / (1 - albedo (1 - p)), written so that nothing is lost where p is below the precision of a float.
+/// g = albedo p / (1 - albedo (1 - p)), written so that nothing is lost where p is below the precision of a float, and
+/// divided so that albedo 1 gives 1: a reciprocal that falls short by a bit would absorb at every scattering.
 HWY_INLINE Vec effectiveAlbedo(Vec inverseEscape, Vec albedo) {
     const Vec absorbing = hn::Sub(hn::Set(kLanes, 1.0f), albedo);
-    const Vec g = hn::Mul(albedo, reciprocal(hn::MulAdd(absorbing, inverseEscape, albedo)));
-    return hn::Min(g, hn::Set(kLanes, 1.0f));
+    return hn::Div(albedo, hn::MulAdd(absorbing, inverseEscape, albedo));
 }
 
 }  // namespace

@@ -1,25 +1,9 @@
-/// From deposits to the answer: radiosity, its convergence, and whether the power adds up.
+/// From deposits to radiosity.
 #pragma once
 
 #include "raysweep/illuminate/state.h"
 
 namespace raysweep {
-
-/// Moves the recent deposits to the total ones.
-void foldDeposits(SolverState& state);
-
-/// The same. @return relative RMS difference of radiosity to the estimate at the last fold, which was `sweeps` sweeps
-/// ago.
-double foldDeposits(SolverState& state, int sweeps);
-
-/// Unshot power of each wavelength, in powerUnit.
-ChannelPower unshotPower(const SolverState& state);
-
-/// The books after all sweeps, per injection, W.
-PowerBalance balance(const SolverState& state);
-
-/// F / (4 pi) of the voxels of brick `b`, world unit^2, taken all to be medium.
-void absorbingAreas(const SolverState& state, std::size_t b, float* area);
 
 /// Radiosity of channel `channel`, W m^-2 sr^-1. kUnknown in voxels that have none of their own: those without
 /// extinction; and those inside opaque solids, which light does not reach and which show through the surface only by

@@ -1,0 +1,68 @@
+/// What a user of illuminate() may choose.
+#pragma once
+
+#include "raysweep/core/types.h"
+#include "raysweep/sweep/directions.h"
+#include "raysweep/sweep/sweep.h"
+
+#include <openvdb/openvdb.h>
+
+#include <functional>
+#include <optional>
+
+namespace raysweep {
+
+/// What becomes of power that is still unshot when no more is injected (paper, section 2.2).
+enum class Remaining {
+    shoot,  ///< sweep on without injecting until hardly any is left
+    drop,   ///< leave it out of the answer
+    spread  ///< deposit it in proportion to density times gradient magnitude, without knowing where it would have gone
+};
+
+/// What rays and voxels exchange (docs/illumination.md).
+enum class Exchange {
+    automatic,  ///< `surface` if the medium is solid, else `medium`
+    medium,     ///< every voxel scatters to all sides
+    surface,    ///< voxels with a large gradient reflect as diffuse surfaces, the others are a medium
+    paper       ///< Algorithm 1 as printed, with surfaces if the medium is solid
+};
+
+struct IlluminateOptions {
+    /// Part of a voxel's unshot power that leaves in one sweep, (0,1]. Not given: 0.1 with a coarse start (0.2 where
+    /// voxels are thick), else 0.5. (Paper: 0.1, which from the dark needs ten times as many sweeps.)
+    std::optional<double> zeta;
+    /// Stop when the RMS difference of radiosity between estimates 20 sweeps apart, relative to its RMS, is below this
+    /// (paper, section 2.2, with delta i = 20); 0: never. >= 0.
+    double tolerance = 0.01;
+    /// Most sweeps in which power is injected; with tolerance 0 the exact number; 0: direct light only. >= 0.
+    int sweeps = 10000;
+    /// `shoot` ends when the unshot power is below this part of all that was injected, (0,1].
+    double unshotShare = 1e-4;
+    Remaining remaining = Remaining::shoot;
+    Interpolation interpolation = Interpolation::nearest;
+    Exchange exchange = Exchange::automatic;
+    /// A voxel has a surface if opacity changes by more than this per voxel there, (0,1].
+    double surfaceThreshold = 0.1;
+    DirectionSet directions = DirectionSet::fibonacci;
+    int batch = 32;  ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
+                     ///< large as all before it
+    /// Media that are not periodic begin with a solution on voxels twice as long (and that with one on voxels twice as
+    /// long again), and what is under way at the end is settled there, if `remaining` is `shoot`. Not so with this.
+    bool darkStart = false;
+    /// Directions that pass a brick together, reading the same unshot power, 0 to 8: quicker for each, a little worse
+    /// as a sample. 0: 4 with a coarse start, if voxels are thin, else 1.
+    int beams = 0;
+    std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits
+    Periodic periodic{false, false, false};  ///< axes of index space along which the bricks' bounding box repeats
+    /// Called after each `snapshotEvery` sweeps (0: never) with the number of sweeps and the estimate of radiosity so
+    /// far, unshot power spread.
+    int snapshotEvery = 0;
+    std::function<void(int sweep, openvdb::GridBase::Ptr radiosity)> snapshot;
+    /// Called after every sweep, for those who want to look closer.
+    std::function<void(const Vec3& direction, const RaySums& totals)> afterSweep;
+
+    /// @throw InvalidArgument naming field, value and bound.
+    void validate() const;
+};
+
+}  // namespace raysweep

@@ -1,0 +1,66 @@
+/// From what single voxels meet to what they are: source radiance and absorbed power.
+///
+///     S = (q + g D / n) / F,      F = 4 pi s V p  in a medium, measured at surfaces
+///     absorbed = (1 - g) D / n  = 4 pi s V S (1 - albedo) / albedo  where nothing is emitted
+///
+/// with q the source, D the deposit of n injections, s the extinction, V the voxel's volume, p its escape probability
+/// and g its effective albedo (sweep/escape.h, docs/illumination.md).
+#pragma once
+
+#include "raysweep/illuminate/state.h"
+
+namespace raysweep {
+
+/// F / (4 pi) of the voxels of brick `b`, world unit^2, taken all to be medium.
+void absorbingAreas(const MediumFields& medium, std::size_t b, float* area);
+
+/// 1 - g of the voxels of brick `b`: the part of a deposit that stays. In doubles, and not from the g of the exchange:
+/// where albedo is nearly 1, a float's 1 - g has no digits left.
+void absorbedShares(const SolverState& state, int channel, std::size_t b, double* share);
+
+/// Source radiance of the voxels of a brick, in `radianceUnit`.
+class BrickRadiance {
+  public:
+    BrickRadiance(const SolverState& state, int channel, std::size_t b);
+
+    bool isKnown(int i) const {
+        if (!(tau_[i] > 0)) return false;
+        if (!isSurface(i)) return double(tau_[i]) < solidTau_;
+        // Fog where a quad light is has no say of its own.
+        return state_.solid.present && (!furnace_ || double(furnace_[i]) > leastFurnace_);
+    }
+
+    bool isSurface(int i) const { return normals_ && normals_[i] != 0; }
+
+    /// 1 / F, in units of 1 / voxelFace. Without sweeps F of a surface is taken to be that of a flat wall.
+    double perPower(int i) const {
+        if (isSurface(i) && furnace_)
+            return furnace_[i] > 0 ? state_.power.injections / (4 * kPi * double(furnace_[i])) : 0;
+        if (isSurface(i)) return 1 / kPi;
+        return double(perPower_[i]);
+    }
+
+    /// The part that comes straight from sources. @param perPower of the voxel
+    double directly(int i, double perPower) const {
+        if (!isSurface(i)) return double(source_[i]) * perPower;
+        return seen_ ? double(seen_[i]) + double(emitted_[i]) * perPower : 0;
+    }
+
+    /// The part that is scattered of the radiance that the voxel has met: its deposit over F.
+    double scattered(int i, double met) const { return double(g_[i]) * met; }
+
+  private:
+    const SolverState& state_;
+    const PackedNormal* const normals_;
+    const float* const tau_;
+    const float* const source_;
+    const float* seen_ = nullptr;
+    const float* emitted_ = nullptr;
+    const float* furnace_ = nullptr;
+    double solidTau_ = INFINITY;
+    double leastFurnace_ = 0;
+    alignas(64) float g_[kBrickVoxels];
+    alignas(64) float perPower_[kBrickVoxels];  ///< as if all were medium; of no meaning in empty ones
+};
+
+}  // namespace raysweep
