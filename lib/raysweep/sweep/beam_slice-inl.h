@@ -38,7 +38,9 @@ struct Clip {
     int firstRow = 0, endRow = kBrickEdge, firstColumn = 0, endColumn = kBrickEdge;
 
     bool empty() const { return endRow <= firstRow || endColumn <= firstColumn; }
+    bool whole() const { return firstRow == 0 && firstColumn == 0 && endRow == kBrickEdge && endColumn == kBrickEdge; }
     bool missesRow(int row) const { return row < firstRow || row >= endRow; }
+    bool missesColumn(int column) const { return column < firstColumn || column >= endColumn; }
     /// Columns from `lane` on that take part.
     HWY_INLINE hn::Mask<Lanes> lanes(int lane) const {
         const Vec index = hn::Iota(kLanes, float(lane));
@@ -60,8 +62,13 @@ inline Clip clipToLattice(const RayFront& front, const FrontRays& rays, const Br
     return clip;
 }
 
-inline bool isClipped(const SweptBeams& swept) {
-    return swept.beams[0].front.column.periodic || swept.beams[0].front.row.periodic;
+/// Whether it does so in any slice of the brick.
+inline bool hangsOver(const SweptBeams& swept, const BrickVisit& visit) {
+    const RayFront& front = swept.beams[0].front;
+    if (!front.column.periodic && !front.row.periodic) return false;
+    for (int j = 0; j < kBrickEdge; ++j)
+        if (!clipToLattice(front, swept.rays[0], visit, visit.step + j).whole()) return true;
+    return false;
 }
 
 inline float mostStepScale(const SweptBeams& swept) {

@@ -18,25 +18,25 @@ namespace HWY_NAMESPACE {
 namespace {
 
 /// 1 / p of the voxels at `i`, and where they are surfaces 1.
-template <ExchangeModel kModel>
 HWY_INLINE Vec inverseEscapeAt(const ExchangeStep& step, const PackedNormal* normals, int i, Vec tau) {
-    const Vec inverse = inverseEscape<kModel>(step, tau);
+    const Vec inverse = inverseEscape(step, tau);
     return normals ? withoutEscape(normals + i, inverse) : inverse;
 }
 
-template <ExchangeModel kModel, bool kThinOnly>
+template <bool kThinOnly>
 void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
             const PackedNormal* normals, std::size_t b) {
+    const ShotRule rule(step);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
-        const Vec inverse = inverseEscapeAt<kModel>(step, normals, i, tau);
-        const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, step.zeta));
+        const Vec inverse = inverseEscapeAt(step, normals, i, tau);
+        const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, rule.part));
         RowSurfaces surfaces;
         if (normals) surfaces = rowSurfaces(step, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
-            RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.stepScale, tau, shotPart);
-            if (normals) applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
+            RowTerms terms = rowTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
+            if (normals) applySurfaces(rule, beam.front.direction, surfaces, terms);
             shot = hn::Add(shot, terms.shot);
         }
         const Vec times = hn::Set(kLanes, float(beams.size()));
@@ -55,33 +55,23 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
     }
 }
 
-template <ExchangeModel kModel>
-void settleThinOrThick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
-                       std::size_t b) {
-    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
-    const float* const tau = fields.tau.brick(b);
-    float mostScale = 0;
-    for (const Beam& beam : beams) mostScale = std::max(mostScale, beam.stepScale);
-    !normals&&* std::max_element(tau, tau + kBrickVoxels) * mostScale <= kThin
-        ? settle<kModel, true>(beams, fields, step, normals, b)
-        : settle<kModel, false>(beams, fields, step, normals, b);
-}
-
 }  // namespace
 
 void settleDispatched(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
                       std::size_t b) {
-    step.model == ExchangeModel::paper ? settleThinOrThick<ExchangeModel::paper>(beams, fields, step, b)
-                                       : settleThinOrThick<ExchangeModel::consistent>(beams, fields, step, b);
+    const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
+    const float* const tau = fields.tau.brick(b);
+    float mostScale = 0;
+    for (const Beam& beam : beams) mostScale = std::max(mostScale, beam.stepScale);
+    const bool thin = !normals && *std::max_element(tau, tau + kBrickVoxels) * mostScale <= kThin;
+    thin ? settle<true>(beams, fields, step, normals, b) : settle<false>(beams, fields, step, normals, b);
 }
 
 void effectiveAlbedosDispatched(const ExchangeStep& step, const PackedNormal* normals, const float* tau,
                                 const float* albedo, float* g) {
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec depth = hn::Load(kLanes, tau + i);
-        const Vec inverse = step.model == ExchangeModel::paper
-                                ? inverseEscapeAt<ExchangeModel::paper>(step, normals, i, depth)
-                                : inverseEscapeAt<ExchangeModel::consistent>(step, normals, i, depth);
+        const Vec inverse = inverseEscapeAt(step, normals, i, depth);
         hn::Store(effectiveAlbedo(inverse, hn::Load(kLanes, albedo + i)), kLanes, g + i);
     }
 }

@@ -139,7 +139,7 @@ HWY_INLINE void fillSurfaces(const SweepAxis& axis, const Quartet& quartet, cons
     }
 }
 
-template <ExchangeModel kModel, int kChannels>
+template <int kChannels>
 void fill(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& fields, const ExchangeStep& step,
           LinearBrick<kChannels>& brick) {
     clear(brick.tau);
@@ -155,15 +155,27 @@ void fill(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& f
     fillSurfaces(axis, quartet, fields, brick);
     const bool last = quartet.parts[0].brick == kNoBrick && quartet.parts[2].brick == kNoBrick;
     brick.firstRay = last ? kBrickEdge - 1 : 0;
+    const Vec part = hn::Set(kLanes, ShotRule(step).part);
     Vec most = hn::Zero(kLanes);
     for (int j = 0; j < kBrickEdge; ++j)
         for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
             const Vec tau = hn::Load(kLanes, brick.tau.value[j] + i);
             most = hn::Max(most, tau);
-            hn::Store(hn::Mul(inverseEscape<kModel>(step, tau), hn::Set(kLanes, step.zeta)), kLanes,
-                      brick.shotPart.value[j] + i);
+            hn::Store(hn::Mul(inverseEscape(step, tau), part), kLanes, brick.shotPart.value[j] + i);
         }
     brick.thickest = hn::GetLane(hn::MaxOfLanes(kLanes, most));
+}
+
+/// Adds what a visit's voxels took to the fields of their bricks.
+template <int kChannels>
+void addTaken(const SweepAxis& axis, const Quartet& quartet, const LinearBrick<kChannels>& brick,
+              const ExchangeFields& fields) {
+    for (const Quartet::Part& part : quartet.parts) {
+        if (part.brick == kNoBrick) continue;
+        for (int c = 0; c < kChannels; ++c) addTo(axis, part, brick.in[c], fields.fresh[c].brick(part.brick));
+        if (brick.furnace && fields.surfaces->normals(part.brick))
+            addTo(axis, part, brick.furnaceIn, fields.furnace.brick(fields.surfaces->slots[part.brick]));
+    }
 }
 
 /// What the voxels of a slice do to the rays of a beam, and the rays before.
@@ -176,7 +188,7 @@ struct LinearSlice {
     // Rays lie one row and one column on: ray (row, column) at [(row + 1) * kEdge + column + 1].
     HWY_ALIGN float rays[kChannels][kSlice + kEdge];
     HWY_ALIGN float furnace[kSlice + kEdge];
-    HWY_ALIGN float met[kSlice];  ///< rays as voxels meet them
+    HWY_ALIGN float incoming[kSlice];  ///< what rays bring to each voxel
 };
 
 /// Bilinear weights of the voxels around a ray; the same for all rays of a slice.
@@ -204,16 +216,17 @@ struct Stencil {
 };
 
 /// Opacity and emission of the voxels of slice `j`.
-template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_INLINE void findTerms(const ExchangeStep& step, const Beam& beam, const LinearBrick<kChannels>& brick, int j,
-                          LinearSlice<kChannels>& slice) {
+template <int kChannels, bool kThinOnly, bool kSurfaces>
+HWY_NOINLINE void findTerms(const ExchangeStep& step, const Beam& beam, const LinearBrick<kChannels>& brick, int j,
+                            LinearSlice<kChannels>& slice) {
+    const ShotRule rule(step);
     for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, brick.tau.value[j] + i);
         const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j] + i);
-        RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.stepScale, tau, shotPart);
+        RowTerms terms = rowTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
         if (kSurfaces) {
             const RowSurfaces surfaces = rowSurfaces(step, brick.normals.value[j] + i, tau);
-            const RowSolids solids = applySurfaces<kModel>(step, beam.front.direction, surfaces, terms);
+            const RowSolids solids = applySurfaces(rule, beam.front.direction, surfaces, terms);
             const Vec measured = hn::Load(kLanes, brick.measured.value[j] + i);
             const Vec inside = hn::IfThenElseZero(solids.inside, measured);
             const Vec leaving = hn::IfThenElseZero(solids.leaving, measured);
@@ -233,8 +246,8 @@ HWY_INLINE float* remembered(float* rays, int row, int lane) {
 
 /// Takes the rays of a beam through a slice, and remembers what they were before.
 template <int kChannels, bool kClipped>
-HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
-                         LinearSlice<kChannels>& slice) {
+HWY_NOINLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
+                           LinearSlice<kChannels>& slice) {
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const int start = firstRay * kEdge + lane;
         Vec opacity = stencil.acrossColumns(slice.opacity + start), out[kChannels];
@@ -271,14 +284,14 @@ HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil&
 }
 
 /// The same for the local furnace.
-template <int kChannels, bool kClipped>
-HWY_INLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay, int k,
-                            LinearSlice<kChannels>& slice) {
+template <int kChannels>
+HWY_NOINLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay, int k,
+                              LinearSlice<kChannels>& slice) {
     const Vec zero = hn::Zero(kLanes);
     for (int r = firstRay; r < kBrickEdge; ++r)
         for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
             float* const to = remembered(slice.furnace, r, lane);
-            if (kClipped && clip.missesRow(r)) {
+            if (clip.missesRow(r)) {
                 hn::StoreU(zero, kLanes, to);
                 continue;
             }
@@ -290,12 +303,10 @@ HWY_INLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stenc
             const Vec inside = stencil.atRays(slice.solid, r, lane);
             Vec lastNow = hn::IfThenElse(hn::Lt(inside, zero), hn::Set(kLanes, kLongAgo), last);
             lastNow = hn::IfThenElse(hn::Gt(inside, zero), hn::Set(kLanes, float(k)), lastNow);
-            if (kClipped) {
-                const auto lanes = clip.lanes(lane);
-                before = hn::IfThenElseZero(lanes, before);
-                after = hn::IfThenElse(lanes, after, f);
-                lastNow = hn::IfThenElse(lanes, lastNow, last);
-            }
+            const auto lanes = clip.lanes(lane);
+            before = hn::IfThenElseZero(lanes, before);
+            after = hn::IfThenElse(lanes, after, f);
+            lastNow = hn::IfThenElse(lanes, lastNow, last);
             hn::StoreU(before, kLanes, to);
             hn::StoreU(after, kLanes, beam.furnace + ray);
             hn::StoreU(lastNow, kLanes, beam.lastSlice + ray);
@@ -303,8 +314,9 @@ HWY_INLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stenc
 }
 
 /// Adds what the voxels of a slice take of the rays around them.
-/// @param rays as remembered  @param met room for the rays as voxels meet them
-HWY_INLINE void takeFromRays(const Stencil& stencil, const float* opacity, const float* rays, float* met, float* in) {
+/// @param rays as remembered  @param incoming room for what rays bring to each voxel
+HWY_NOINLINE void takeFromRays(const Stencil& stencil, const float* opacity, const float* rays, float* incoming,
+                               float* in) {
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const auto fromColumns = [&](int row) {
             const float* const at = rays + row * kEdge + lane;
@@ -313,91 +325,76 @@ HWY_INLINE void takeFromRays(const Stencil& stencil, const float* opacity, const
         Vec before = fromColumns(0);
         for (int r = 0; r < kEdge; ++r) {
             const Vec here = fromColumns(r + 1);
-            hn::StoreU(Stencil::mix(stencil.row, here, before), kLanes, met + r * kEdge + lane);
+            hn::StoreU(Stencil::mix(stencil.row, here, before), kLanes, incoming + r * kEdge + lane);
             before = here;
         }
     }
     // The column beyond meets the last ray of each row.
     for (int r = 0; r < kEdge; ++r) {
         const float before = rays[r * kEdge + kBrickEdge], here = rays[(r + 1) * kEdge + kBrickEdge];
-        met[r * kEdge + kBrickEdge] = stencil.columnPart * (here + stencil.rowPart * (before - here));
+        incoming[r * kEdge + kBrickEdge] = stencil.columnPart * (here + stencil.rowPart * (before - here));
     }
     for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
-        const Vec taken = hn::Mul(hn::Load(kLanes, opacity + i), hn::Load(kLanes, met + i));
+        const Vec taken = hn::Mul(hn::Load(kLanes, opacity + i), hn::Load(kLanes, incoming + i));
         hn::Store(hn::Add(hn::Load(kLanes, in + i), taken), kLanes, in + i);
     }
 }
 
-template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
-void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+/// Which of its versions finds the terms of a brick's slices.
+template <int kChannels>
+auto termsFinder(const LinearBrick<kChannels>& brick, float mostScale) {
+    if (brick.surfaces) return &findTerms<kChannels, false, true>;
+    return brick.thickest * mostScale <= kThin ? &findTerms<kChannels, true, false>
+                                               : &findTerms<kChannels, false, false>;
+}
+
+template <int kChannels>
+void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step, float mostScale,
                     LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
     const RayFront& front = swept.beams[0].front;
+    const auto find = termsFinder(brick, mostScale);
     clear(slice);
     for (int j = 0; j < kBrickEdge; ++j) {
         const int k = visit.step + j, at = front.ascending ? j : kBrickEdge - 1 - j;
-        const Clip clip = kClipped ? clipToLattice(front, swept.rays[0], visit, k) : Clip();
-        if (kClipped && clip.empty()) continue;
+        const Clip clip = clipToLattice(front, swept.rays[0], visit, k);
+        if (clip.empty()) continue;
+        const auto takeThrough = clip.whole() ? &stepRays<kChannels, false> : &stepRays<kChannels, true>;
         for (std::size_t b = 0; b < swept.count(); ++b) {
             const Beam& beam = swept.beams[b];
-            const BeamSlice rays = beamSlice(beam, swept.rays[b], visit, k, kSurfaces && brick.furnace);
+            const BeamSlice rays = beamSlice(beam, swept.rays[b], visit, k, brick.furnace);
             const Stencil stencil(beam.front, k);
-            findTerms<kModel, kChannels, kThinOnly, kSurfaces>(step, beam, brick, at, slice);
-            stepRays<kChannels, kClipped>(rays, clip, stencil, brick.firstRay, slice);
+            find(step, beam, brick, at, slice);
+            takeThrough(rays, clip, stencil, brick.firstRay, slice);
             for (int c = 0; c < kChannels; ++c)
-                takeFromRays(stencil, slice.opacity, slice.rays[c], slice.met, brick.in[c].value[at]);
-            if (!kSurfaces || !brick.furnace) continue;
-            stepFurnace<kChannels, kClipped>(rays, clip, stencil, brick.firstRay, k, slice);
-            takeFromRays(stencil, slice.taken, slice.furnace, slice.met, brick.furnaceIn.value[at]);
+                takeFromRays(stencil, slice.opacity, slice.rays[c], slice.incoming, brick.in[c].value[at]);
+            if (!brick.furnace) continue;
+            stepFurnace(rays, clip, stencil, brick.firstRay, k, slice);
+            takeFromRays(stencil, slice.taken, slice.furnace, slice.incoming, brick.furnaceIn.value[at]);
         }
     }
 }
 
-template <ExchangeModel kModel, int kChannels, bool kClipped>
-void exchangeVisit(const SweptBeams& swept, const BrickVisit& visit, const ExchangeFields& fields,
-                   const ExchangeStep& step, float mostScale, LinearBrick<kChannels>& brick,
-                   LinearSlice<kChannels>& slice) {
-    const SweepAxis& axis = swept.beams[0].front.axis;
-    const Quartet quartet(visit);
-    fill<kModel>(axis, quartet, fields, step, brick);
-    if (brick.surfaces)
-        exchangeSlices<kModel, kChannels, false, true, kClipped>(swept, visit, step, brick, slice);
-    else if (brick.thickest * mostScale <= kThin)
-        exchangeSlices<kModel, kChannels, true, false, kClipped>(swept, visit, step, brick, slice);
-    else
-        exchangeSlices<kModel, kChannels, false, false, kClipped>(swept, visit, step, brick, slice);
-    for (const Quartet::Part& part : quartet.parts) {
-        if (part.brick == kNoBrick) continue;
-        for (int c = 0; c < kChannels; ++c) addTo(axis, part, brick.in[c], fields.fresh[c].brick(part.brick));
-        if (brick.furnace && fields.surfaces->normals(part.brick))
-            addTo(axis, part, brick.furnaceIn, fields.furnace.brick(fields.surfaces->slots[part.brick]));
-    }
-}
-
-template <ExchangeModel kModel, int kChannels>
+template <int kChannels>
 void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                     const ExchangeStep& step) {
     LinearBrick<kChannels> brick;
     LinearSlice<kChannels> slice;
     const float mostScale = mostStepScale(swept);
-    const bool clipped = isClipped(swept);
-    for (const BrickVisit& visit : visits)
-        clipped ? exchangeVisit<kModel, kChannels, true>(swept, visit, fields, step, mostScale, brick, slice)
-                : exchangeVisit<kModel, kChannels, false>(swept, visit, fields, step, mostScale, brick, slice);
-}
-
-template <ExchangeModel kModel>
-void linearChannels(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                    const ExchangeStep& step) {
-    fields.channels == 1 ? exchangeVisits<kModel, 1>(swept, visits, fields, step)
-                         : exchangeVisits<kModel, 3>(swept, visits, fields, step);
+    const SweepAxis& axis = swept.beams[0].front.axis;
+    for (const BrickVisit& visit : visits) {
+        const Quartet quartet(visit);
+        fill(axis, quartet, fields, step, brick);
+        exchangeSlices(swept, visit, step, mostScale, brick, slice);
+        addTaken(axis, quartet, brick, fields);
+    }
 }
 
 }  // namespace
 
 void linearDispatched(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                       const ExchangeStep& step) {
-    step.model == ExchangeModel::paper ? linearChannels<ExchangeModel::paper>(swept, visits, fields, step)
-                                       : linearChannels<ExchangeModel::consistent>(swept, visits, fields, step);
+    fields.channels == 1 ? exchangeVisits<1>(swept, visits, fields, step)
+                         : exchangeVisits<3>(swept, visits, fields, step);
 }
 
 }  // namespace HWY_NAMESPACE

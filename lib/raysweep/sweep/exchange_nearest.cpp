@@ -55,14 +55,14 @@ struct Brick {
 template <int kChannels>
 struct Exchanged {
     HWY_ALIGN float inverseEscape[kBrickVoxels];
-    HWY_ALIGN float tau[kBrickVoxels];  ///< this and the next two only where the brick has to be turned
+    HWY_ALIGN float tau[kBrickVoxels];  ///< this and the next two only where they are not as the brick has them
     HWY_ALIGN float unshot[kChannels][kBrickVoxels];
     HWY_ALIGN PackedNormal normals[kBrickVoxels];
 
     HWY_ALIGN float in[kChannels][kBrickVoxels];
     HWY_ALIGN float out[kChannels][kBrickVoxels];
     HWY_ALIGN float furnace[kBrickVoxels];
-    HWY_ALIGN float met[kBrickVoxels];  ///< rays met, where that is not one of each beam
+    HWY_ALIGN float raysMet[kBrickVoxels];  ///< only where that is not one of each beam
 };
 
 /// The order of slices within a brick.
@@ -81,13 +81,12 @@ HWY_INLINE void turn(T* values) {
 }
 
 /// Finds 1 / p. @return the largest tau
-template <ExchangeModel kModel>
 HWY_INLINE float findEscape(const ExchangeStep& step, const float* from, float* inverse) {
     Vec most = hn::Zero(kLanes);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, from + i);
         most = hn::Max(most, tau);
-        hn::Store(inverseEscape<kModel>(step, tau), kLanes, inverse + i);
+        hn::Store(inverseEscape(step, tau), kLanes, inverse + i);
     }
     return hn::GetLane(hn::MaxOfLanes(kLanes, most));
 }
@@ -112,6 +111,33 @@ HWY_INLINE SliceView<kChannels> viewSlices(const SweepAxis& axis, const Brick<kC
     return view;
 }
 
+/// In a periodic volume a brick may hang over the end of the lattice, and be met as another image there. Takes what
+/// lies beyond from the slices: rows without a ray look empty, and lanes without one have nothing to shoot, so that the
+/// rays in the lattice's padding, which they meet instead, stay dark.
+template <int kChannels>
+void clipSlices(const SweptBeams& swept, const BrickVisit& visit, SliceView<kChannels>& view,
+                Exchanged<kChannels>& to) {
+    const RayFront& front = swept.beams[0].front;
+    if (view.tau != to.tau) std::copy_n(view.tau, kBrickVoxels, to.tau);
+    view.tau = to.tau;
+    for (int c = 0; c < kChannels; ++c) {
+        if (view.unshot[c] != to.unshot[c]) std::copy_n(view.unshot[c], kBrickVoxels, to.unshot[c]);
+        view.unshot[c] = to.unshot[c];
+    }
+    for (int j = 0; j < kBrickEdge; ++j) {
+        const Clip clip = clipToLattice(front, swept.rays[0], visit, visit.step + j);
+        const int slice = front.ascending ? j : kBrickEdge - 1 - j;
+        for (int row = 0; row < kBrickEdge; ++row)
+            for (int lane = 0; lane < kBrickEdge; ++lane) {
+                const int at = slice * front.axis.sliceStride + row * front.axis.rowStride + lane;
+                const bool missed = clip.empty() || clip.missesRow(row);
+                if (missed) to.tau[at] = 0;
+                to.raysMet[at] = missed || clip.missesColumn(lane) ? 0.0f : 1.0f;
+                for (int c = 0; c < kChannels; ++c) to.unshot[c][at] *= to.raysMet[at];
+            }
+    }
+}
+
 /// Local furnace of eight rays. @return what the voxels take
 HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const RowSolids& solids, float* f, float* lastSlice,
                                int slice) {
@@ -132,26 +158,21 @@ struct Row {
     Vec unshot[kChannels];
     int number, lane;  ///< in the slice, of the first voxel
     int slice;
-    Mask lanes;  ///< that take part, if clipped
 
     Vec in[kChannels], out[kChannels], furnace;
 };
 
 /// The rays of all beams meet a row. `kSurfaces`: some of its voxels have a surface or are the inside of a solid.
-template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
-HWY_INLINE void meetBeams(const ExchangeStep& step, const BeamSlice* beams, int count, const RowSurfaces& surfaces,
+template <int kChannels, bool kThinOnly, bool kSurfaces>
+HWY_INLINE void meetBeams(const ShotRule& rule, const BeamSlice* beams, int count, const RowSurfaces& surfaces,
                           Row<kChannels>& row) {
     const bool hasNormals = kSurfaces && !hn::AllFalse(kLanes, surfaces.surface);
     RowSolids solids;
     if (kSurfaces) solids = {surfaces.solid, surfaces.surface};  // nothing leaves where there is no surface
     for (int k = 0; k < count; ++k) {
         const BeamSlice& beam = beams[k];
-        RowTerms terms = rowTerms<kModel, kThinOnly>(step, beam.beam->stepScale, row.tau, row.shotPart);
-        if (hasNormals) solids = applySurfaces<kModel>(step, beam.beam->front.direction, surfaces, terms);
-        if (kClipped) {
-            terms.opacity = hn::IfThenElseZero(row.lanes, terms.opacity);
-            terms.shot = hn::IfThenElseZero(row.lanes, terms.shot);
-        }
+        RowTerms terms = rowTerms<kThinOnly>(rule, beam.beam->stepScale, row.tau, row.shotPart);
+        if (hasNormals) solids = applySurfaces(rule, beam.beam->front.direction, surfaces, terms);
         const std::ptrdiff_t ray = beam.rowStart[row.number] + row.lane;
         // Elsewhere rays are as long outside as they were; nothing of the furnace would change.
         if (kSurfaces && beam.furnace)
@@ -173,10 +194,10 @@ HWY_INLINE void meetBeams(const ExchangeStep& step, const BeamSlice* beams, int 
 /// Reads a row, exchanges, and notes what was exchanged. In a brick that has surfaces most rows have none, and are
 /// treated as those of other bricks.
 /// @param mostScale largest step scale of the beams
-template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
-HWY_INLINE void exchangeRow(const ExchangeStep& step, float mostScale, const SliceView<kChannels>& view,
-                            const BeamSlice* beams, int count, int at, Row<kChannels>& row,
-                            Exchanged<kChannels>& exchanged) {
+template <int kChannels, bool kThinOnly, bool kSurfaces>
+HWY_INLINE void exchangeRow(const ExchangeStep& step, const ShotRule& rule, float mostScale,
+                            const SliceView<kChannels>& view, const BeamSlice* beams, int count, int at,
+                            Row<kChannels>& row, Exchanged<kChannels>& exchanged) {
     row.tau = hn::Load(kLanes, view.tau + at);
     Vec any = row.tau;
     for (int c = 0; c < kChannels; ++c) {
@@ -187,22 +208,21 @@ HWY_INLINE void exchangeRow(const ExchangeStep& step, float mostScale, const Sli
     row.furnace = hn::Zero(kLanes);
     // In sparse volumes many rows are empty: nothing there that could change a ray or be changed by one.
     if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
-        row.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, step.zeta));
+        row.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, rule.part));
         RowSurfaces surfaces;
         if (kSurfaces) surfaces = rowSurfaces(step, view.normals + at, row.tau);
         if (kSurfaces && !hn::AllFalse(kLanes, hn::Or(surfaces.surface, surfaces.solid)))
-            meetBeams<kModel, kChannels, false, true, kClipped>(step, beams, count, surfaces, row);
+            meetBeams<kChannels, false, true>(rule, beams, count, surfaces, row);
         else if (kThinOnly || (kSurfaces && hn::AllTrue(kLanes, hn::Le(row.tau, hn::Set(kLanes, kThin / mostScale)))))
-            meetBeams<kModel, kChannels, true, false, kClipped>(step, beams, count, surfaces, row);
+            meetBeams<kChannels, true, false>(rule, beams, count, surfaces, row);
         else
-            meetBeams<kModel, kChannels, false, false, kClipped>(step, beams, count, surfaces, row);
+            meetBeams<kChannels, false, false>(rule, beams, count, surfaces, row);
     }
     for (int c = 0; c < kChannels; ++c) {
         hn::Store(row.in[c], kLanes, exchanged.in[c] + at);
         hn::Store(row.out[c], kLanes, exchanged.out[c] + at);
     }
     if (kSurfaces) hn::Store(row.furnace, kLanes, exchanged.furnace + at);
-    if (kClipped) hn::Store(hn::IfThenElseZero(row.lanes, hn::Set(kLanes, 1.0f)), kLanes, exchanged.met + at);
 }
 
 /// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
@@ -220,11 +240,12 @@ HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannel
 }
 
 /// The rays of all beams go through the eight slices of a brick.
-template <ExchangeModel kModel, int kChannels, bool kThinOnly, bool kSurfaces, bool kClipped>
+template <int kChannels, bool kThinOnly, bool kSurfaces>
 void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step, float mostScale,
                     const SliceView<kChannels>& view, const Brick<kChannels>& brick, const Brick<kChannels>& next,
                     Exchanged<kChannels>& exchanged) {
     const RayFront& front = swept.beams[0].front;
+    const ShotRule rule(step);
     const int count = int(swept.count());
     BeamSlice beams[kMostBeams];
     for (int j = 0; j < kBrickEdge; ++j) {
@@ -232,39 +253,29 @@ void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const Exch
         const int k = visit.step + j;
         for (int b = 0; b < count; ++b)
             beams[b] = beamSlice(swept.beams[std::size_t(b)], swept.rays[std::size_t(b)], visit, k, brick.furnace);
-        const Clip clip = kClipped ? clipToLattice(front, swept.rays[0], visit, k) : Clip();
         const int slice = front.ascending ? j : kBrickEdge - 1 - j;
         int at = slice * front.axis.sliceStride;
         for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
             for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-                if (kClipped && (clip.missesRow(row) || clip.empty())) {
-                    for (int c = 0; c < kChannels; ++c) {
-                        hn::Store(hn::Zero(kLanes), kLanes, exchanged.in[c] + at + lane);
-                        hn::Store(hn::Zero(kLanes), kLanes, exchanged.out[c] + at + lane);
-                    }
-                    hn::Store(hn::Zero(kLanes), kLanes, exchanged.furnace + at + lane);
-                    hn::Store(hn::Zero(kLanes), kLanes, exchanged.met + at + lane);
-                    continue;
-                }
                 Row<kChannels> voxels;
                 voxels.number = row;
                 voxels.lane = lane;
                 voxels.slice = k;
-                if (kClipped) voxels.lanes = clip.lanes(lane);
-                exchangeRow<kModel, kChannels, kThinOnly, kSurfaces, kClipped>(step, mostScale, view, beams, count,
-                                                                               at + lane, voxels, exchanged);
+                exchangeRow<kChannels, kThinOnly, kSurfaces>(step, rule, mostScale, view, beams, count, at + lane,
+                                                             voxels, exchanged);
             }
     }
 }
 
-/// Brings U and D up to date: D += in, U += g in - out + source for each ray met.
-template <int kChannels, bool kClipped>
-HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, const Exchanged<kChannels>& exchanged) {
+/// Brings U and D up to date: D += in, U += g in - out + source for each ray met. @param clipped some meet none
+template <int kChannels>
+HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, bool clipped,
+                             const Exchanged<kChannels>& exchanged) {
     const Vec zero = hn::Zero(kLanes);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
-        const Vec met = kClipped ? hn::Load(kLanes, exchanged.met + i) : hn::Set(kLanes, float(beams));
+        const Vec raysMet = clipped ? hn::Load(kLanes, exchanged.raysMet + i) : hn::Set(kLanes, float(beams));
         if (brick.furnace) {
-            const Vec taken = hn::Load(kLanes, exchanged.furnace + i);
+            const Vec taken = hn::IfThenElseZero(hn::Gt(raysMet, zero), hn::Load(kLanes, exchanged.furnace + i));
             hn::Store(hn::Add(hn::Load(kLanes, brick.furnace + i), taken), kLanes, brick.furnace + i);
         }
         for (int c = 0; c < kChannels; ++c) {
@@ -276,28 +287,27 @@ HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, const Exc
             const Vec g = effectiveAlbedo(inverse, hn::Load(kLanes, brick.albedo[c] + i));
             const Vec left = hn::Sub(hn::Load(kLanes, brick.unshot[c] + i), out);
             requireNonNegative(left);
-            hn::Store(hn::MulAdd(source, met, hn::MulAdd(g, in, left)), kLanes, brick.unshot[c] + i);
+            hn::Store(hn::MulAdd(source, raysMet, hn::MulAdd(g, in, left)), kLanes, brick.unshot[c] + i);
             hn::Store(hn::Add(hn::Load(kLanes, brick.deposit[c] + i), in), kLanes, brick.deposit[c] + i);
         }
     }
 }
 
-template <ExchangeModel kModel, int kChannels, bool kClipped>
+template <int kChannels>
 HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
                               float mostScale, const Brick<kChannels>& brick, const Brick<kChannels>& next,
                               Exchanged<kChannels>& exchanged) {
     const SweepAxis& axis = swept.beams[0].front.axis;
-    const float thickest = findEscape<kModel>(step, brick.tau, exchanged.inverseEscape);
-    const SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
+    const float thickest = findEscape(step, brick.tau, exchanged.inverseEscape);
+    SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
+    const bool clipped = hangsOver(swept, visit);
+    if (clipped) clipSlices(swept, visit, view, exchanged);
     if (brick.normals)
-        exchangeSlices<kModel, kChannels, false, true, kClipped>(swept, visit, step, mostScale, view, brick, next,
-                                                                 exchanged);
+        exchangeSlices<kChannels, false, true>(swept, visit, step, mostScale, view, brick, next, exchanged);
     else if (thickest * mostScale <= kThin)
-        exchangeSlices<kModel, kChannels, true, false, kClipped>(swept, visit, step, mostScale, view, brick, next,
-                                                                 exchanged);
+        exchangeSlices<kChannels, true, false>(swept, visit, step, mostScale, view, brick, next, exchanged);
     else
-        exchangeSlices<kModel, kChannels, false, false, kClipped>(swept, visit, step, mostScale, view, brick, next,
-                                                                  exchanged);
+        exchangeSlices<kChannels, false, false>(swept, visit, step, mostScale, view, brick, next, exchanged);
     if (axis.transposed) {
         turn(exchanged.inverseEscape);
         for (int c = 0; c < kChannels; ++c) {
@@ -305,40 +315,29 @@ HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, 
             turn(exchanged.out[c]);
         }
         if (brick.furnace) turn(exchanged.furnace);
-        if (kClipped) turn(exchanged.met);
+        if (clipped) turn(exchanged.raysMet);
     }
-    bookExchange<kChannels, kClipped>(brick, int(swept.count()), exchanged);
+    bookExchange<kChannels>(brick, int(swept.count()), clipped, exchanged);
 }
 
-template <ExchangeModel kModel, int kChannels>
+template <int kChannels>
 void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                     const ExchangeStep& step) {
     Exchanged<kChannels> exchanged;
     const float mostScale = mostStepScale(swept);
-    const bool clipped = isClipped(swept);
     for (std::size_t i = 0; i < visits.size(); ++i) {
         const Brick<kChannels> brick(fields, visits[i].brick);
         const Brick<kChannels> next(fields, visits[std::min(i + 1, visits.size() - 1)].brick);
-        if (clipped)
-            exchangeBrick<kModel, kChannels, true>(swept, visits[i], step, mostScale, brick, next, exchanged);
-        else
-            exchangeBrick<kModel, kChannels, false>(swept, visits[i], step, mostScale, brick, next, exchanged);
+        exchangeBrick<kChannels>(swept, visits[i], step, mostScale, brick, next, exchanged);
     }
-}
-
-template <ExchangeModel kModel>
-void nearestChannels(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                     const ExchangeStep& step) {
-    fields.channels == 1 ? exchangeVisits<kModel, 1>(beams, visits, fields, step)
-                         : exchangeVisits<kModel, 3>(beams, visits, fields, step);
 }
 
 }  // namespace
 
 void nearestDispatched(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                        const ExchangeStep& step) {
-    step.model == ExchangeModel::paper ? nearestChannels<ExchangeModel::paper>(beams, visits, fields, step)
-                                       : nearestChannels<ExchangeModel::consistent>(beams, visits, fields, step);
+    fields.channels == 1 ? exchangeVisits<1>(beams, visits, fields, step)
+                         : exchangeVisits<3>(beams, visits, fields, step);
 }
 
 }  // namespace HWY_NAMESPACE

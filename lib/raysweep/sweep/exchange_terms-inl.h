@@ -71,17 +71,39 @@ HWY_INLINE Vec thinOpacityOverDepth(Vec x) {
     return series;
 }
 
+/// What both models have in common, so that kernels are compiled once: each is a choice of numbers.
+///
+///     out / U = min(most, part / p alpha / (s len))
+///
+/// `paper` shoots zeta whatever the voxel: there p = 1, `most` is zeta, and `part` so large that the other side of the
+/// minimum is never less.
+struct ShotRule {
+    static constexpr float kAnyPart = 1e30f;  ///< times 1 / (s len) of the thickest voxel it is far above 1
+    float part, most;
+    float ofSurface;  ///< out / U of a surface is this times the cosine
+    bool paper;
+
+    explicit ShotRule(const ExchangeStep& step)
+        : part(step.zeta),
+          most(step.mostShot),
+          ofSurface(std::min(step.mostShot, 4 * step.zeta)),
+          paper(step.model == ExchangeModel::paper) {
+        if (!paper) return;
+        part = kAnyPart;
+        most = ofSurface = std::min(step.mostShot, step.zeta);
+    }
+};
+
 /// 1 / p, with p the escape probability.
-template <ExchangeModel kModel>
 HWY_INLINE Vec inverseEscape(const ExchangeStep& step, Vec tau) {
-    if (kModel == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
+    if (step.model == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
     return hn::Mul(polynomial(tau, step.escape.a), reciprocal(polynomial(tau, step.escape.b)));
 }
 
 /// Terms of voxels without a surface. With `kThinOnly` tau `stepScale` is at most kThin, and a polynomial does.
-/// @param shotPart zeta / p
-template <ExchangeModel kModel, bool kThinOnly>
-HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, float stepScale, Vec tau, Vec shotPart) {
+/// @param shotPart `part` / p
+template <bool kThinOnly>
+HWY_INLINE RowTerms rowTerms(const ShotRule& rule, float stepScale, Vec tau, Vec shotPart) {
     const Vec along = hn::Mul(tau, hn::Set(kLanes, stepScale));
     RowTerms terms;
     Vec perDepth;  // opacity / along
@@ -95,8 +117,7 @@ HWY_INLINE RowTerms rowTerms(const ExchangeStep& step, float stepScale, Vec tau,
         terms.opacity = hn::IfThenElseZero(hn::Gt(tau, hn::Zero(kLanes)), opacity);
         perDepth = hn::Mul(opacity, reciprocal(depth));
     }
-    terms.shot = kModel == ExchangeModel::paper ? shotPart : hn::Mul(shotPart, perDepth);
-    terms.shot = hn::Min(terms.shot, hn::Set(kLanes, step.mostShot));
+    terms.shot = hn::Min(hn::Mul(shotPart, perDepth), hn::Set(kLanes, rule.most));
     return terms;
 }
 
@@ -134,19 +155,17 @@ HWY_INLINE RowSurfaces rowSurfaces(const ExchangeStep& step, const PackedNormal*
 }
 
 /// Changes the terms of voxels that have a surface, for rays that travel along `direction`.
-template <ExchangeModel kModel>
-HWY_INLINE RowSolids applySurfaces(const ExchangeStep& step, const Vec3& direction, const RowSurfaces& row,
+HWY_INLINE RowSolids applySurfaces(const ShotRule& rule, const Vec3& direction, const RowSurfaces& row,
                                    RowTerms& terms) {
     Vec cosine = hn::Zero(kLanes);
     for (int axis = 0; axis < 3; ++axis)
         cosine = hn::MulAdd(row.normal[axis], hn::Set(kLanes, float(direction[axis]) / kPackedSteps), cosine);
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
-    const bool paper = kModel == ExchangeModel::paper;
-    const Vec taken = paper ? hn::Mul(terms.opacity, hn::Min(hn::Neg(cosine), one)) : terms.opacity;
-    const float shot = std::min(step.mostShot, (paper ? 1 : 4) * step.zeta);
+    Vec taken = terms.opacity;
+    if (rule.paper) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
     terms.opacity = hn::IfThenElse(row.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
-    terms.shot =
-        hn::IfThenElse(row.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, shot)), terms.shot);
+    terms.shot = hn::IfThenElse(
+        row.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, rule.ofSurface)), terms.shot);
     const auto leaving = hn::And(row.present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));
     return {hn::AndNot(leaving, row.solid), leaving};
 }
