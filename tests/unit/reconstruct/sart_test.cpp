@@ -170,7 +170,7 @@ TEST(Sart, TheHullHoldsTheObjectAndSavesTheRest) {
             value.getBoundingBox(box);
             for (const openvdb::Coord& corner : {box.min(), box.max()}) {
                 const openvdb::Coord c = corner + openvdb::Coord(12, 12, 16);
-                const ColumnRange range = kept.ranges()[kept.tileOf(c.x(), c.y())];
+                const ColumnRange range = kept.ranges()[kept.blockOf(c.x(), c.y())];
                 EXPECT_TRUE(c.z() >= range.low && c.z() < range.high) << c;
             }
         }
