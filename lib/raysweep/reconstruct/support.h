@@ -1,4 +1,4 @@
-/// Where there can be anything at all.
+/// The support: where there can be anything at all.
 #pragma once
 
 #include "raysweep/camera/projections.h"

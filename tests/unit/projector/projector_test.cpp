@@ -1,9 +1,5 @@
 #include "raysweep/projector/project.h"
 
-#include "raysweep/core/simd_targets.h"  // before Highway
-
-#include <hwy/highway.h>
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +11,7 @@
 #include "raysweep/phantoms/solid_shapes.h"
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/project_grid.h"
+#include "support/instruction_sets.h"
 
 using namespace raysweep;
 
@@ -176,14 +173,7 @@ TEST(Projector, AllInstructionSetsAreAdjointForRowsOfAnyDistance) {
         orbit.pixelHeight = pitch;
         pitches.push_back({"pitch " + std::to_string(pitch), circularGeometry(orbit)});
     }
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        SCOPED_TRACE(hwy::TargetName(target));
-        expectAdjoint(pitches);
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    test::forEachInstructionSet([&] { expectAdjoint(pitches); });
 }
 
 // The sums of weights are found another way than by projecting ones: by intervals, not by voxels.
@@ -207,20 +197,25 @@ TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
     }
 }
 
-TEST(Projector, FansOfRaysAgreeWithRaysOneByOne) {
+// Rays one by one are the plain twin of the kernels: they take the weights of joseph.h, voxel by voxel.
+TEST(Projector, KernelsAgreeWithRaysOneByOneOnAllInstructionSets) {
     const ColumnLattice lattice = centredLattice(Index3(40, 45, 37), 0.7);
     ColumnVolume volume = sparseVolume(lattice);
     randomize(volume, 3);
     for (const Scan& scan : scans()) {
-        ViewRays fans, single;
-        setView(fans, scan.geometry, 2, lattice);
-        if (fans.view.kind == JosephView::Kind::oblique) continue;
-        projectView(volume, fans);
+        const int width = scan.geometry.width, height = scan.geometry.height;
+        ViewRays single;
         setView(single, scan.geometry, 2, lattice);
+        if (single.view.kind == JosephView::Kind::oblique) continue;
         single.view.kind = JosephView::Kind::oblique;
         projectView(volume, single);
-        EXPECT_LT(largestDifference(single.values, fans.values, scan.geometry.width, scan.geometry.height), 1e-5)
-            << scan.name;
+        test::forEachInstructionSet([&] {
+            ViewRays rays;
+            setView(rays, scan.geometry, 2, lattice);
+            projectView(volume, rays);
+            EXPECT_LT(largestDifference(single.values, rays.values, width, height), 1e-5) << scan.name;
+            EXPECT_LT(largestDifference(single.weights, rays.weights, width, height), 1e-5) << scan.name;
+        });
     }
 }
 

@@ -217,9 +217,6 @@ TEST(Sart, TotalVariationTakesNoiseAway) {
     options.iterations = 4;
     options.relaxation = 0.3;
     const double rough = reconstruct(scan, options).history.back().rms;
-    for (double q : {.2, .4, .6, .8, .95}) {
-        options.totalVariation = q;
-    }
     options.totalVariation = 0.5;
     EXPECT_LT(reconstruct(scan, options).history.back().rms, 0.85 * rough);
 }
