@@ -1,5 +1,5 @@
-// Detector to volume. Each task owns a tile and looks up which rays meet it, so no two write to the same voxel and sums
-// have one order whatever the number of threads.
+// Backprojection, Aᵀ y (joseph.h, eq. 1): detector to volume. Each task owns a block of columns and looks up which rays
+// meet it, so no two write to the same voxel and sums have one order whatever the number of threads.
 #include "raysweep/projector/backproject.h"
 
 #include "raysweep/core/parallel.h"
@@ -21,13 +21,13 @@ namespace raysweep {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Lines of `run` whose lateral position in `slice` lies in (low, high).
-SliceRange linesBetween(const ViewFootprint& f, const FanRun& run, int slice, double low, double high) {
-    const auto at = [&](int n) { return f.lines[std::size_t(n)].lateral(slice); };
-    const bool ascending = at(run.last - 1) >= at(run.first);
-    // The first line that is not before `limit`, in the sense in which lines follow each other.
+/// Detector columns of `run` whose lateral position in `slice` lies in (low, high).
+IndexRange columnsBetween(const JosephView& view, const DetectorColumnRun& run, int slice, double low, double high) {
+    const auto at = [&](int n) { return view.columns[std::size_t(n)].lateral(slice); };
+    const bool ascending = at(run.columns.last - 1) >= at(run.columns.first);
+    // The first that is not before `limit`, in the sense in which they follow each other.
     const auto firstNotBefore = [&](double limit) {
-        int from = run.first, to = run.last;
+        int from = run.columns.first, to = run.columns.last;
         while (from < to) {
             const int middle = from + (to - from) / 2;
             (ascending ? at(middle) < limit : at(middle) > limit) ? from = middle + 1 : to = middle;
@@ -37,54 +37,52 @@ SliceRange linesBetween(const ViewFootprint& f, const FanRun& run, int slice, do
     return {firstNotBefore(ascending ? low : high), firstNotBefore(ascending ? high : low)};
 }
 
-struct TileSums {
+struct BlockSums {
     const ColumnVolume& layout;
     int firstX, firstY;
     ColumnRange range;
-    float *values, *weights;
+    ValuesAndWeights<float> sums;
 
-    /// Gives a column of numbers, low to high, to column (x,y), if that belongs to the tile and the volume.
-    HWY_INLINE void add(int x, int y, float weight, const float* value, const float* rayWeight) const {
-        if (x < firstX || y < firstY || x >= std::min(firstX + kTileEdge, layout.lattice().dims.x) ||
-            y >= std::min(firstY + kTileEdge, layout.lattice().dims.y))
+    /// Gives a column of numbers, low to high, to column (x,y), if that belongs to the block and the volume.
+    HWY_INLINE void add(int x, int y, float weight, ValuesAndWeights<const float> column) const {
+        if (x < firstX || y < firstY || x >= std::min(firstX + kBlockEdge, layout.lattice().dims.x) ||
+            y >= std::min(firstY + kBlockEdge, layout.lattice().dims.y))
             return;
-        const std::size_t offset = std::size_t((x - firstX) * kTileEdge + y - firstY) * range.length();
-        addScaled(values + offset, value, weight, range.length());
-        addScaled(weights + offset, rayWeight, weight, range.length());
+        const std::size_t offset = std::size_t((x - firstX) * kBlockEdge + y - firstY) * range.length();
+        addScaled(sums.values + offset, column.values, weight, range.length());
+        addScaled(sums.weights + offset, column.weights, weight, range.length());
     }
 };
 
-void addView(const TileSums& tile, const ViewRays& rays, float* scratch) {
-    const ViewFootprint& f = rays.footprint;
-    const Index3 dims = tile.layout.lattice().dims;
-    const bool level = f.kind == ViewFootprint::Kind::level;
-    const ColumnRange range = tile.range;
-    float *columnValues = scratch, *columnWeights = scratch + dims.z + kColumnChunk;
-    for (const FanRun& run : f.runs) {
-        const int firstSlice = run.axis == 0 ? tile.firstX : tile.firstY;
-        const int firstLateral = run.axis == 0 ? tile.firstY : tile.firstX;
-        const int lastSlice = std::min(firstSlice + kTileEdge, dims[run.axis]);
+/// Numbers of detector column n at the voxels' z in `slice`, from the block's lowest voxel on. `scratch`: room for
+/// them.
+HWY_INLINE ValuesAndWeights<const float> atVoxels(const BlockSums& block, const ViewRays& rays, int n, int slice,
+                                                  ValuesAndWeights<float> scratch) {
+    const ColumnRange range = block.range;
+    if (rays.view.kind == JosephView::Kind::level)
+        return {rays.levelValues.column(n) + range.low, rays.levelWeights.column(n) + range.low};
+    gatherRows({rays.values.column(n), rays.weights.column(n)}, rays.view.columns[std::size_t(n)].rows(slice), range,
+               scratch);
+    for (int z = block.layout.lattice().dims.z; z < range.high; ++z) scratch.values[z] = scratch.weights[z] = 0;
+    return {scratch.values + range.low, scratch.weights + range.low};
+}
+
+void addView(const BlockSums& block, const ViewRays& rays, ValuesAndWeights<float> scratch) {
+    const JosephView& view = rays.view;
+    const Index3 dims = block.layout.lattice().dims;
+    for (const DetectorColumnRun& run : view.runs) {
+        const int firstSlice = run.axis == 0 ? block.firstX : block.firstY;
+        const int firstLateral = run.axis == 0 ? block.firstY : block.firstX;
+        const int lastSlice = std::min(firstSlice + kBlockEdge, dims[run.axis]);
         for (int slice = firstSlice; slice < lastSlice; ++slice) {
-            const SliceRange lines = linesBetween(f, run, slice, firstLateral - 1, firstLateral + kTileEdge);
-            for (int n = lines.first; n < lines.last; ++n) {
-                const FanLine& line = f.lines[std::size_t(n)];
-                if (slice < line.slices.first || slice >= line.slices.last) continue;
-                const double lateral = line.lateral(slice);
-                const int below = int(std::floor(lateral));
-                const float upper = float(lateral - below);
-                const float *value = columnValues + range.low, *weight = columnWeights + range.low;
-                if (level) {
-                    value = rays.levelValues.column(n) + range.low;
-                    weight = rays.levelWeights.column(n) + range.low;
-                } else {
-                    gatherRows(rays.values.column(n), rays.weights.column(n), f.height,
-                               RowPositions{line.height(slice), line.pitch(slice)}, columnValues, columnWeights,
-                               range.low, range.high);
-                    for (int z = dims.z; z < range.high; ++z) columnValues[z] = columnWeights[z] = 0;
-                }
-                const int x = run.axis == 0 ? slice : below, y = run.axis == 0 ? below : slice;
-                tile.add(x, y, 1 - upper, value, weight);
-                tile.add(run.axis == 0 ? x : x + 1, run.axis == 0 ? y + 1 : y, upper, value, weight);
+            const IndexRange met = columnsBetween(view, run, slice, firstLateral - 1, firstLateral + kBlockEdge);
+            for (int n = met.first; n < met.last; ++n) {
+                const DetectorColumn& column = view.columns[std::size_t(n)];
+                if (slice < column.slices.first || slice >= column.slices.last) continue;
+                const LateralWeights w = column.beside(slice);
+                const ValuesAndWeights<const float> numbers = atVoxels(block, rays, n, slice, scratch);
+                block.add(column.voxelX(slice, w.below), column.voxelY(slice, w.below), w.lower, numbers);
+                block.add(column.voxelX(slice, w.below + 1), column.voxelY(slice, w.below + 1), w.upper, numbers);
             }
         }
     }
@@ -92,44 +90,29 @@ void addView(const TileSums& tile, const ViewRays& rays, float* scratch) {
 
 }  // namespace
 
-void backprojectTileDispatched(const ColumnVolume& layout, std::size_t t, const std::vector<ViewRays>& views,
-                               float* values, float* weights) {
-    const TileSums tile{layout,
-                        int(t / std::size_t(layout.tilesY())) * kTileEdge,
-                        int(t % std::size_t(layout.tilesY())) * kTileEdge,
-                        layout.ranges()[t],
-                        values,
-                        weights};
-    std::vector<float> scratch(2 * std::size_t(layout.lattice().dims.z + kColumnChunk));
-    for (const ViewRays& view : views)
-        view.footprint.kind == ViewFootprint::Kind::oblique ? backprojectOblique(layout, t, view, values, weights)
-                                                            : addView(tile, view, scratch.data());
+void backprojectBlockDispatched(const ColumnVolume& layout, std::size_t b, const std::vector<ViewRays>& views,
+                                float* values, float* weights) {
+    const BlockSums block{layout,
+                          int(b / std::size_t(layout.blocksY())) * kBlockEdge,
+                          int(b % std::size_t(layout.blocksY())) * kBlockEdge,
+                          layout.ranges()[b],
+                          {values, weights}};
+    const std::size_t room = std::size_t(layout.lattice().dims.z + kColumnChunk);
+    std::vector<float> scratch(2 * room);
+    for (const ViewRays& rays : views)
+        rays.view.kind == JosephView::Kind::oblique ? backprojectOblique(layout, b, rays, values, weights)
+                                                    : addView(block, rays, {scratch.data(), scratch.data() + room});
 }
 
 /// Brings the rows of level rays to the voxels' z, once for all slices.
-void levelLinesDispatched(ViewRays& rays, int first, int last, int dimZ) {
+void levelColumnsDispatched(ViewRays& rays, IndexRange columns, int dimZ) {
     const int high = (dimZ + kColumnChunk - 1) / kColumnChunk * kColumnChunk;
-    for (int n = first; n < last; ++n) {
-        const FanLine& line = rays.footprint.lines[std::size_t(n)];
+    for (int n = columns.first; n < columns.last; ++n) {
         float *values = rays.levelValues.column(n), *weights = rays.levelWeights.column(n);
-        gatherRows(rays.values.column(n), rays.weights.column(n), rays.footprint.height,
-                   RowPositions{line.height(0), line.pitch(0)}, values, weights, 0, high);
+        gatherRows({rays.values.column(n), rays.weights.column(n)}, rays.view.columns[std::size_t(n)].rows(0),
+                   {0, high}, {values, weights});
         std::fill(values + dimZ, values + high, 0.0f);
         std::fill(weights + dimZ, weights + high, 0.0f);
-    }
-}
-
-void updateVoxelsDispatched(float* HWY_RESTRICT voxels, const float* HWY_RESTRICT values,
-                            const float* HWY_RESTRICT weights, std::size_t count, const VoxelUpdate& update) {
-    const Vec relaxation = hn::Set(kLanes, update.relaxation);
-    const Vec lower = hn::Set(kLanes, update.lower), upper = hn::Set(kLanes, update.upper);
-    const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
-    for (std::size_t i = 0; i < count; i += std::size_t(kLaneCount)) {
-        const Vec weight = hn::LoadU(kLanes, weights + i), before = hn::Load(kLanes, voxels + i);
-        const auto met = hn::Gt(weight, zero);
-        const Vec mean = hn::Div(hn::LoadU(kLanes, values + i), hn::IfThenElse(met, weight, one));
-        const Vec after = hn::Min(hn::Max(hn::MulAdd(relaxation, mean, before), lower), upper);
-        hn::Store(hn::IfThenElse(met, after, before), kLanes, voxels + i);
     }
 }
 
@@ -140,47 +123,42 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raysweep {
 
-HWY_EXPORT(backprojectTileDispatched);
-HWY_EXPORT(levelLinesDispatched);
-HWY_EXPORT(updateVoxelsDispatched);
+HWY_EXPORT(backprojectBlockDispatched);
+HWY_EXPORT(levelColumnsDispatched);
 
-void readyRays(ViewRays& rays, int dimZ) {
-    const ViewFootprint& f = rays.footprint;
-    if (f.kind == ViewFootprint::Kind::oblique) return;  // their lengths are found on the way
-    constexpr int kLines = 32;
-    parallelFor(std::size_t((f.width + kLines - 1) / kLines), [&](std::size_t task) {
-        const int first = int(task) * kLines, last = std::min(f.width, first + kLines);
-        for (int n = first; n < last; ++n)
-            for (int v = 0; v < f.height; ++v) {
-                const float length = f.lines[std::size_t(n)].length(v);
+void prepareBackprojection(ViewRays& rays, int dimZ) {
+    const JosephView& view = rays.view;
+    if (view.kind == JosephView::Kind::oblique) return;  // their lengths are found on the way
+    constexpr int kTogether = 32;
+    parallelFor(std::size_t((view.width + kTogether - 1) / kTogether), [&](std::size_t task) {
+        const int first = int(task) * kTogether;
+        const IndexRange columns{first, std::min(view.width, first + kTogether)};
+        for (int n = columns.first; n < columns.last; ++n)
+            for (int v = 0; v < view.height; ++v) {
+                const float length = view.columns[std::size_t(n)].length(v);
                 rays.values.column(n)[v] *= length;
                 rays.weights.column(n)[v] *= length;
             }
-        if (f.kind == ViewFootprint::Kind::level) HWY_DYNAMIC_DISPATCH(levelLinesDispatched)(rays, first, last, dimZ);
+        if (view.kind == JosephView::Kind::level) HWY_DYNAMIC_DISPATCH(levelColumnsDispatched)(rays, columns, dimZ);
     });
 }
 
-void backprojectTile(const ColumnVolume& layout, std::size_t tile, const std::vector<ViewRays>& views, float* values,
-                     float* weights) {
-    const std::size_t count = layout.voxelsOf(tile);
+void backprojectBlock(const ColumnVolume& layout, std::size_t block, const std::vector<ViewRays>& views, float* values,
+                      float* weights) {
+    const std::size_t count = layout.voxelsOf(block);
     if (count == 0) return;
     std::memset(values, 0, count * sizeof(float));
     std::memset(weights, 0, count * sizeof(float));
-    HWY_DYNAMIC_DISPATCH(backprojectTileDispatched)(layout, tile, views, values, weights);
+    HWY_DYNAMIC_DISPATCH(backprojectBlockDispatched)(layout, block, views, values, weights);
 }
 
 void backprojectView(ViewRays& rays, ColumnVolume& to) {
-    readyRays(rays, to.lattice().dims.z);
+    prepareBackprojection(rays, to.lattice().dims.z);
     const std::vector<ViewRays> views{std::move(rays)};
-    parallelFor(to.tileCount(), [&](std::size_t t) {
-        std::vector<float> weights(to.voxelsOf(t));
-        backprojectTile(to, t, views, to.tile(t), weights.data());
+    parallelFor(to.blockCount(), [&](std::size_t b) {
+        std::vector<float> weights(to.voxelsOf(b));
+        backprojectBlock(to, b, views, to.block(b), weights.data());
     });
-}
-
-void updateVoxels(float* voxels, const float* values, const float* weights, std::size_t count,
-                  const VoxelUpdate& update) {
-    HWY_DYNAMIC_DISPATCH(updateVoxelsDispatched)(voxels, values, weights, count, update);
 }
 
 }  // namespace raysweep

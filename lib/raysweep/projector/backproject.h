@@ -1,4 +1,4 @@
-/// What rays give to the voxels they meet: the transpose of projectView.
+/// Backprojection: the adjoint of the forward projection, Aᵀ y with the same weights (joseph.h, eq. 1).
 #pragma once
 
 #include "raysweep/projector/column_volume.h"
@@ -9,26 +9,18 @@
 
 namespace raysweep {
 
-/// Makes the numbers of `rays` ready to be given to voxels: to be called once before backprojectTile. Uses them up.
+/// What of backprojection is the same for all voxels: multiplies the numbers of `rays` by their rays' length from slice
+/// to slice, and where all rays stay at one z brings them to the voxels' z. To be called once before backprojectBlock;
+/// uses the numbers up.
 /// @param dimZ length of the volume's columns
-void readyRays(ViewRays& rays, int dimZ);
+void prepareBackprojection(ViewRays& rays, int dimZ);
 
-/// Sums over all rays of `views` that meet a voxel, for the voxels of one tile, in the tile's order: footprint's weight
-/// times the ray's value to `values`, A^T y, and times the ray's weight to `weights`.
-void backprojectTile(const ColumnVolume& layout, std::size_t tile, const std::vector<ViewRays>& views, float* values,
-                     float* weights);
+/// Sums over all rays of `views` that meet a voxel, for the voxels of one block, in the block's order: the ray's weight
+/// for the voxel (eq. 1) times the ray's value to `values`, Aᵀ y, and times the ray's own weight to `weights`.
+void backprojectBlock(const ColumnVolume& layout, std::size_t block, const std::vector<ViewRays>& views, float* values,
+                      float* weights);
 
-/// A^T y as a volume, of the values of `rays`. Uses them up.
+/// Aᵀ y as a volume, of the values of `rays`. Uses them up.
 void backprojectView(ViewRays& rays, ColumnVolume& to);
-
-/// How far a voxel follows the mean of what its rays ask for.
-struct VoxelUpdate {
-    float relaxation = 1;
-    float lower, upper;  ///< bounds of the result
-};
-
-/// voxel = clamp(voxel + relaxation * value / weight), where there is a weight.
-void updateVoxels(float* voxels, const float* values, const float* weights, std::size_t count,
-                  const VoxelUpdate& update);
 
 }  // namespace raysweep

@@ -1,13 +1,14 @@
-// Between a column of voxels and the detector's rows, which cross it at equal distances: linear interpolation, and its
-// transpose. Included once per instruction set.
-#if defined(RAYSWEEP_SWEEP_COLUMN_KERNELS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef RAYSWEEP_SWEEP_COLUMN_KERNELS_INL_H
-#undef RAYSWEEP_SWEEP_COLUMN_KERNELS_INL_H
+// Between a column of voxels and the detector's rows, which cross it at equal distances: Joseph's weights along z
+// (joseph.h, eq. 1), forward and adjoint, for whole vectors of rows or voxels. Included once per instruction set.
+#if defined(RAYSWEEP_PROJECTOR_COLUMN_KERNELS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAYSWEEP_PROJECTOR_COLUMN_KERNELS_INL_H
+#undef RAYSWEEP_PROJECTOR_COLUMN_KERNELS_INL_H
 #else
-#define RAYSWEEP_SWEEP_COLUMN_KERNELS_INL_H
+#define RAYSWEEP_PROJECTOR_COLUMN_KERNELS_INL_H
 #endif
 
-#include "raysweep/projector/fan_image.h"
+#include "raysweep/projector/joseph.h"
+#include "raysweep/projector/ray_image.h"
 
 #include <hwy/highway.h>
 
@@ -28,14 +29,31 @@ constexpr Lanes kLanes;
 constexpr IntLanes kIntLanes;
 constexpr int kLaneCount = int(hn::MaxLanes(kLanes));
 
-/// Row v of the detector crosses a column at z = height + pitch v, pitch > 0.
-struct RowPositions {
-    float height, pitch;
+/// Joseph's weights as joseph.h has them, w(z) = max(0, 1 - |z - k|), a lane for each row: `upper` is that of voxel
+/// `below` + 1, 1 - upper that of voxel `below`.
+struct LaneWeights {
+    Vec below, upper;
+};
+HWY_INLINE LaneWeights besideRays(Vec z) {
+    const Vec below = hn::Floor(z);
+    return {below, hn::Sub(z, below)};
+}
 
-    float at(int row) const { return height + pitch * float(row); }
+/// The same weight by the distance of voxel and row.
+HWY_INLINE Vec weightAt(Vec distance) {
+    return hn::Max(hn::Sub(hn::Set(kLanes, 1.0f), hn::Abs(distance)), hn::Zero(kLanes));
+}
 
-    /// The first of the rows that may lie above z: none before it does.
-    int firstAbove(float z) const { return int(std::floor(std::clamp((z - height) / pitch, -1e6f, 1e6f))); }
+/// The sum of the weights of all voxels in (before, behind), whole numbers.
+HWY_INLINE Vec weightBetween(Vec z, Vec before, Vec behind) {
+    const Vec inside = hn::Min(hn::Sub(z, before), hn::Sub(behind, z));
+    return hn::Min(hn::Max(inside, hn::Zero(kLanes)), hn::Set(kLanes, 1.0f));
+}
+
+/// Values of rays and what they are weighted by (ViewRays), or sums of these, beside each other.
+template <class Float>
+struct ValuesAndWeights {
+    Float *values, *weights;
 };
 
 /// What values lie `index` behind `from`, each index less than twice the lanes.
@@ -66,88 +84,82 @@ HWY_INLINE void addScaled(float* HWY_RESTRICT sum, const float* HWY_RESTRICT val
         hn::StoreU(hn::MulAdd(w, hn::LoadU(kLanes, values + i), hn::LoadU(kLanes, sum + i)), kLanes, sum + i);
 }
 
-/// The rows that can meet voxels [low, high).
-struct RowRange {
-    int first, last;
-};
-HWY_INLINE RowRange rowsMeeting(const RowPositions& rows, int low, int high, int rowCount) {
-    return {std::max(0, rows.firstAbove(float(low - 1))), std::min(rowCount, rows.firstAbove(float(high)) + 2)};
+/// The rows that can meet voxels of `range`.
+HWY_INLINE IndexRange rowsMeeting(const DetectorRows& rows, ColumnRange range) {
+    return {std::max(0, rows.firstAbove(float(range.low - 1))),
+            std::min(rows.count, rows.firstAbove(float(range.high)) + 2)};
 }
 
-/// sum[v] += the column's value where row v crosses it. `column` holds zeros around [low, high).
-HWY_INLINE void addInterpolated(const float* column, int low, int high, const RowPositions& rows, float* sum,
-                                int rowCount) {
-    const RowRange range = rowsMeeting(rows, low, high, rowCount);
+/// sum[v] += the column's value where row v crosses it. `column` holds zeros around `range`.
+HWY_INLINE void addInterpolated(const float* column, ColumnRange range, const DetectorRows& rows, float* sum) {
+    const IndexRange met = rowsMeeting(rows, range);
+    const float low = float(range.low - 1), high = float(range.high);  // 0 there and beyond
     if (!fitsLookup(rows.pitch)) {
-        for (int v = range.first; v < range.last; ++v) {
-            const float z = rows.at(v), below = std::floor(z);
-            const int k = std::clamp(int(below), low - 1, high);
-            const float part = std::clamp(z - float(k), 0.0f, 1.0f);
-            sum[v] += column[k] + part * (column[k + 1] - column[k]);
+        for (int v = met.first; v < met.last; ++v) {
+            const LateralWeights w = besideRay(std::clamp(rows.at(v), low, high));
+            const float* voxel = column + w.below;
+            sum[v] += voxel[0] + w.upper * (voxel[1] - voxel[0]);
         }
         return;
     }
     const Vec pitch = hn::Set(kLanes, rows.pitch), height = hn::Set(kLanes, rows.height);
-    const Vec first = hn::Set(kLanes, float(low - 1)), last = hn::Set(kLanes, float(high));
-    const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
-    for (int v = range.first; v < range.last; v += kLaneCount) {
+    const Vec least = hn::Set(kLanes, low), most = hn::Set(kLanes, high);
+    for (int v = met.first; v < met.last; v += kLaneCount) {
         const Vec z = hn::MulAdd(pitch, hn::Iota(kLanes, float(v)), height);
-        const Vec below = hn::Min(hn::Max(hn::Floor(z), first), last);
-        const Vec part = hn::Min(hn::Max(hn::Sub(z, below), zero), one);
-        const IntVec k = hn::ConvertTo(kIntLanes, below);
+        const LaneWeights w = besideRays(hn::Min(hn::Max(z, least), most));
+        const IntVec k = hn::ConvertTo(kIntLanes, w.below);
         const int base = hn::GetLane(k);
         const Lookup lookup(hn::Sub(k, hn::Set(kIntLanes, base)));
         const Vec here = lookup(column + base), next = lookup(column + base + 1);
-        const Vec value = hn::MulAdd(part, hn::Sub(next, here), here);
+        const Vec value = hn::MulAdd(w.upper, hn::Sub(next, here), here);
         // Rows behind the last are written as well: beyond the detector their sums are cleared by the caller.
         hn::StoreU(hn::Add(hn::LoadU(kLanes, sum + v), value), kLanes, sum + v);
     }
 }
 
-/// As addInterpolated for a column of `weight` everywhere in [low, high).
-HWY_INLINE void addCoverage(float weight, int low, int high, const RowPositions& rows, float* sum, int rowCount) {
-    const RowRange range = rowsMeeting(rows, low, high, rowCount);
+/// As addInterpolated for a column of `weight` everywhere in `range`.
+HWY_INLINE void addCoverage(float weight, ColumnRange range, const DetectorRows& rows, float* sum) {
+    const IndexRange met = rowsMeeting(rows, range);
     const Vec pitch = hn::Set(kLanes, rows.pitch), height = hn::Set(kLanes, rows.height);
-    const Vec before = hn::Set(kLanes, float(low - 1)), behind = hn::Set(kLanes, float(high));
-    const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f), w = hn::Set(kLanes, weight);
-    for (int v = range.first; v < range.last; v += kLaneCount) {
+    const Vec before = hn::Set(kLanes, float(range.low - 1)), behind = hn::Set(kLanes, float(range.high));
+    const Vec w = hn::Set(kLanes, weight);
+    for (int v = met.first; v < met.last; v += kLaneCount) {
         const Vec z = hn::MulAdd(pitch, hn::Iota(kLanes, float(v)), height);
-        const Vec inside = hn::Min(hn::Sub(z, before), hn::Sub(behind, z));
-        const Vec part = hn::Min(hn::Max(inside, zero), one);
-        hn::StoreU(hn::MulAdd(w, part, hn::LoadU(kLanes, sum + v)), kLanes, sum + v);
+        hn::StoreU(hn::MulAdd(w, weightBetween(z, before, behind), hn::LoadU(kLanes, sum + v)), kLanes, sum + v);
     }
 }
 
-/// The transpose of addInterpolated for two images at once: to0[z] = sum over rows of weight(v, z) from0[v], z in
-/// [low, high), multiples of 16. `from` has FanImage's margins around its rows.
-HWY_INLINE void gatherRows(const float* from0, const float* from1, int rowCount, const RowPositions& rows, float* to0,
-                           float* to1, int low, int high) {
-    if (!fitsLookup(rows.pitch)) {
-        std::fill(to0 + low, to0 + high, 0.0f);
-        std::fill(to1 + low, to1 + high, 0.0f);
-        const RowRange range = rowsMeeting(rows, low, high, rowCount);
-        for (int v = range.first; v < range.last; ++v) {
-            const float z = rows.at(v), below = std::floor(z), part = z - below;
-            if (below < float(low - 1) || below >= float(high)) continue;
-            const int k = int(below);
-            if (k >= low) {
-                to0[k] += (1 - part) * from0[v];
-                to1[k] += (1 - part) * from1[v];
-            }
-            if (k + 1 < high) {
-                to0[k + 1] += part * from0[v];
-                to1[k + 1] += part * from1[v];
-            }
+/// gatherRows for rows of any pitch, row by row.
+HWY_INLINE void scatterRows(ValuesAndWeights<const float> from, const DetectorRows& rows, ColumnRange range,
+                            ValuesAndWeights<float> to) {
+    std::fill(to.values + range.low, to.values + range.high, 0.0f);
+    std::fill(to.weights + range.low, to.weights + range.high, 0.0f);
+    const IndexRange met = rowsMeeting(rows, range);
+    for (int v = met.first; v < met.last; ++v) {
+        const LateralWeights w = besideRay(rows.at(v));
+        const int k = w.below;
+        if (k >= range.low && k < range.high) {
+            to.values[k] += w.lower * from.values[v];
+            to.weights[k] += w.lower * from.weights[v];
         }
-        return;
+        if (k + 1 >= range.low && k + 1 < range.high) {
+            to.values[k + 1] += w.upper * from.values[v];
+            to.weights[k + 1] += w.upper * from.weights[v];
+        }
     }
+}
+
+/// The adjoint of addInterpolated, for two images at once: to[z] = sum over rows of their weight at z times from[v], z
+/// in `range`, multiples of 16. `from` has RayImage's margins around its rows.
+HWY_INLINE void gatherRows(ValuesAndWeights<const float> from, const DetectorRows& rows, ColumnRange range,
+                           ValuesAndWeights<float> to) {
+    if (!fitsLookup(rows.pitch)) return scatterRows(from, rows, range, to);
     const int taps = int(std::ceil(2 / rows.pitch));
     const Vec height = hn::Set(kLanes, rows.height), pitch = hn::Set(kLanes, rows.pitch);
-    const Vec inverse = hn::Set(kLanes, 1 / rows.pitch);
-    const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
+    const Vec inverse = hn::Set(kLanes, 1 / rows.pitch), one = hn::Set(kLanes, 1.0f);
     // Rows off the detector are taken from the margins, where there is nothing.
-    const Vec least = hn::Set(kLanes, float(-taps)), most = hn::Set(kLanes, float(rowCount));
-    for (int z = low; z < high; z += kLaneCount) {
+    const Vec least = hn::Set(kLanes, float(-taps)), most = hn::Set(kLanes, float(rows.count));
+    for (int z = range.low; z < range.high; z += kLaneCount) {
         const Vec level = hn::Iota(kLanes, float(z));
         const Vec start = hn::Add(hn::Floor(hn::Mul(hn::Sub(hn::Sub(level, one), height), inverse)), one);
         const IntVec row = hn::ConvertTo(kIntLanes, hn::Min(hn::Max(start, least), most));
@@ -155,15 +167,15 @@ HWY_INLINE void gatherRows(const float* from0, const float* from1, int rowCount,
         const Lookup lookup(hn::Sub(row, hn::Set(kIntLanes, base)));
         // Distance of the row from the voxel, in voxels.
         Vec distance = hn::Sub(hn::MulAdd(pitch, start, height), level);
-        Vec sum0 = zero, sum1 = zero;
+        Vec value = hn::Zero(kLanes), weight = hn::Zero(kLanes);
         for (int tap = 0; tap < taps; ++tap) {
-            const Vec weight = hn::Max(hn::Sub(one, hn::Abs(distance)), zero);
-            sum0 = hn::MulAdd(weight, lookup(from0 + base + tap), sum0);
-            sum1 = hn::MulAdd(weight, lookup(from1 + base + tap), sum1);
+            const Vec w = weightAt(distance);
+            value = hn::MulAdd(w, lookup(from.values + base + tap), value);
+            weight = hn::MulAdd(w, lookup(from.weights + base + tap), weight);
             distance = hn::Add(distance, pitch);
         }
-        hn::StoreU(sum0, kLanes, to0 + z);
-        hn::StoreU(sum1, kLanes, to1 + z);
+        hn::StoreU(value, kLanes, to.values + z);
+        hn::StoreU(weight, kLanes, to.weights + z);
     }
 }
 

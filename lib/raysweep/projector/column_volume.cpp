@@ -12,8 +12,8 @@
 namespace raysweep {
 namespace {
 
-int tilesFor(int voxels) {
-    return (voxels + kTileEdge - 1) / kTileEdge;
+int blocksFor(int voxels) {
+    return (voxels + kBlockEdge - 1) / kBlockEdge;
 }
 
 int roundedUp(int voxels) {
@@ -21,22 +21,22 @@ int roundedUp(int voxels) {
 }
 
 std::vector<ColumnRange> allOf(const ColumnLattice& lattice) {
-    const std::size_t tiles = std::size_t(tilesFor(lattice.dims.x)) * tilesFor(lattice.dims.y);
-    return std::vector<ColumnRange>(tiles, ColumnRange{0, roundedUp(lattice.dims.z)});
+    const std::size_t blocks = std::size_t(blocksFor(lattice.dims.x)) * blocksFor(lattice.dims.y);
+    return std::vector<ColumnRange>(blocks, ColumnRange{0, roundedUp(lattice.dims.z)});
 }
 
 Vec3 vec3(const openvdb::Vec3d& v) {
     return Vec3(v.x(), v.y(), v.z());
 }
 
-/// Calls `use(x, y, z, gridIndex)` for each voxel of a tile that lies in the lattice.
+/// Calls `use(x, y, z, gridIndex)` for each voxel of a block that lies in the lattice.
 template <class Use>
-void forEachVoxel(const ColumnVolume& volume, std::size_t tile, const Use& use) {
+void forEachVoxel(const ColumnVolume& volume, std::size_t block, const Use& use) {
     const ColumnLattice& lattice = volume.lattice();
-    const int firstX = int(tile / volume.tilesY()) * kTileEdge, firstY = int(tile % volume.tilesY()) * kTileEdge;
-    const ColumnRange range = volume.ranges()[tile];
-    for (int x = firstX; x < std::min(firstX + kTileEdge, lattice.dims.x); ++x)
-        for (int y = firstY; y < std::min(firstY + kTileEdge, lattice.dims.y); ++y)
+    const int firstX = int(block / volume.blocksY()) * kBlockEdge, firstY = int(block % volume.blocksY()) * kBlockEdge;
+    const ColumnRange range = volume.ranges()[block];
+    for (int x = firstX; x < std::min(firstX + kBlockEdge, lattice.dims.x); ++x)
+        for (int y = firstY; y < std::min(firstY + kBlockEdge, lattice.dims.y); ++y)
             for (int z = range.low; z < std::min(range.high, lattice.dims.z); ++z)
                 use(x, y, z, lattice.gridIndex(x, y, z));
 }
@@ -71,12 +71,12 @@ ColumnVolume::ColumnVolume(const ColumnLattice& lattice) : ColumnVolume(lattice,
 
 ColumnVolume::ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange> kept)
     : lattice_(lattice),
-      tilesX_(tilesFor(lattice.dims.x)),
-      tilesY_(tilesFor(lattice.dims.y)),
+      blocksX_(blocksFor(lattice.dims.x)),
+      blocksY_(blocksFor(lattice.dims.y)),
       ranges_(std::move(kept)),
       offsets_(ranges_.size() + 1) {
     for (std::size_t t = 0; t < ranges_.size(); ++t)
-        offsets_[t + 1] = offsets_[t] + std::size_t(ranges_[t].length()) * kTileColumns;
+        offsets_[t + 1] = offsets_[t] + std::size_t(ranges_[t].length()) * kBlockColumns;
     const std::size_t bytes = storedVoxels() * sizeof(float);
     requireBytes(double(bytes),
                  "a volume of " + std::to_string(lattice.dims.x) + "x" + std::to_string(lattice.dims.y) + "x" +
@@ -86,28 +86,28 @@ ColumnVolume::ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange
     data_.reset(static_cast<float*>(std::aligned_alloc(kCacheLine, std::max(bytes, kCacheLine))));
     if (!data_) throw std::bad_alloc();
     parallelFor(ranges_.size(),
-                [&](std::size_t t) { std::memset(tile(t), 0, (offsets_[t + 1] - offsets_[t]) * sizeof(float)); });
+                [&](std::size_t t) { std::memset(block(t), 0, (offsets_[t + 1] - offsets_[t]) * sizeof(float)); });
 }
 
 void ColumnVolume::copyFrom(const ColumnVolume& other) {
-    parallelFor(tileCount(), [&](std::size_t t) { std::copy_n(other.tile(t), voxelsOf(t), tile(t)); });
+    parallelFor(blockCount(), [&](std::size_t t) { std::copy_n(other.block(t), voxelsOf(t), block(t)); });
 }
 
 void ColumnVolume::clampAll(float lower, float upper) {
-    parallelFor(tileCount(), [&](std::size_t t) {
-        for (std::size_t i = 0; i < voxelsOf(t); ++i) tile(t)[i] = std::clamp(tile(t)[i], lower, upper);
+    parallelFor(blockCount(), [&](std::size_t t) {
+        for (std::size_t i = 0; i < voxelsOf(t); ++i) block(t)[i] = std::clamp(block(t)[i], lower, upper);
     });
 }
 
 float ColumnVolume::value(int x, int y, int z) const {
     if (x < 0 || y < 0 || x >= lattice_.dims.x || y >= lattice_.dims.y) return 0;
-    const std::size_t t = tileOf(x, y);
+    const std::size_t t = blockOf(x, y);
     if (z < ranges_[t].low || z >= ranges_[t].high) return 0;
     return column(t, x, y)[z - ranges_[t].low];
 }
 
 void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid, const openvdb::Coord& shift) {
-    parallelFor(volume.tileCount(), [&](std::size_t t) {
+    parallelFor(volume.blockCount(), [&](std::size_t t) {
         if (volume.ranges()[t].length() == 0) return;
         openvdb::FloatGrid::ConstUnsafeAccessor values(grid.tree());
         forEachVoxel(volume, t, [&](int x, int y, int z, const openvdb::Coord& index) {
@@ -119,8 +119,8 @@ void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid, const ope
 }
 
 ColumnVolume columnsOf(const openvdb::FloatGrid& grid, const ColumnLattice& lattice) {
-    std::vector<ColumnRange> kept(std::size_t(tilesFor(lattice.dims.x)) * tilesFor(lattice.dims.y));
-    const int tilesY = tilesFor(lattice.dims.y);
+    std::vector<ColumnRange> kept(std::size_t(blocksFor(lattice.dims.x)) * blocksFor(lattice.dims.y));
+    const int blocksY = blocksFor(lattice.dims.y);
     for (auto value = grid.cbeginValueOn(); value; ++value) {
         openvdb::CoordBBox box;
         value.getBoundingBox(box);
@@ -132,9 +132,9 @@ ColumnVolume columnsOf(const openvdb::FloatGrid& grid, const ColumnLattice& latt
         }
         if (low.z() > high.z()) continue;
         const int from = low.z() / kColumnChunk * kColumnChunk, to = roundedUp(high.z() + 1);
-        for (int x = low.x() / kTileEdge; x <= high.x() / kTileEdge && low.x() <= high.x(); ++x)
-            for (int y = low.y() / kTileEdge; y <= high.y() / kTileEdge && low.y() <= high.y(); ++y) {
-                ColumnRange& range = kept[std::size_t(x) * tilesY + y];
+        for (int x = low.x() / kBlockEdge; x <= high.x() / kBlockEdge && low.x() <= high.x(); ++x)
+            for (int y = low.y() / kBlockEdge; y <= high.y() / kBlockEdge && low.y() <= high.y(); ++y) {
+                ColumnRange& range = kept[std::size_t(x) * blocksY + y];
                 range = range.length() == 0 ? ColumnRange{from, to}
                                             : ColumnRange{std::min(range.low, from), std::max(range.high, to)};
             }

@@ -13,9 +13,9 @@
 
 namespace raysweep {
 
-constexpr int kTileEdge = 8;                         ///< a tile is 8x8 columns
-constexpr int kTileColumns = kTileEdge * kTileEdge;  ///< column (x,y) of a tile has the number x * 8 + y
-constexpr int kColumnChunk = 16;                     ///< columns begin and end at multiples of it, voxels
+constexpr int kBlockEdge = 8;                           ///< a block is 8x8 columns
+constexpr int kBlockColumns = kBlockEdge * kBlockEdge;  ///< column (x,y) of a block has the number x * 8 + y
+constexpr int kColumnChunk = 16;                        ///< columns begin and end at multiples of it, voxels
 
 /// Where voxels are. Voxel (x,y,z) counts along three axes of a grid's index space, of which `axes[2]` is that of the
 /// columns.
@@ -39,7 +39,7 @@ struct ColumnLattice {
 /// @throw InvalidArgument if the transform is not linear or singular.
 ColumnLattice columnLattice(const openvdb::CoordBBox& box, const openvdb::math::Transform& transform, int columnAxis);
 
-/// The part of a tile's columns that is kept: voxels [low, high), multiples of kColumnChunk; none if low == high. The
+/// The part of a block's columns that is kept: voxels [low, high), multiples of kColumnChunk; none if low == high. The
 /// last chunk may reach beyond the lattice; voxels there are 0 and stay so.
 struct ColumnRange {
     int low = 0, high = 0;
@@ -51,31 +51,31 @@ class ColumnVolume {
   public:
     /// All voxels of `lattice`.
     explicit ColumnVolume(const ColumnLattice& lattice);
-    /// @param kept for each tile, tiles along y fastest
+    /// @param kept for each block, blocks along y fastest
     ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange> kept);
 
     const ColumnLattice& lattice() const { return lattice_; }
-    int tilesX() const { return tilesX_; }
-    int tilesY() const { return tilesY_; }
-    std::size_t tileCount() const { return ranges_.size(); }
+    int blocksX() const { return blocksX_; }
+    int blocksY() const { return blocksY_; }
+    std::size_t blockCount() const { return ranges_.size(); }
     const std::vector<ColumnRange>& ranges() const { return ranges_; }
     std::size_t storedVoxels() const { return offsets_.back(); }
-    std::size_t voxelsOf(std::size_t tile) const { return offsets_[tile + 1] - offsets_[tile]; }
+    std::size_t voxelsOf(std::size_t block) const { return offsets_[block + 1] - offsets_[block]; }
 
-    /// The columns of a tile, one after the other, each as long as the tile's range.
-    float* tile(std::size_t t) { return data_.get() + offsets_[t]; }
-    const float* tile(std::size_t t) const { return data_.get() + offsets_[t]; }
+    /// The columns of a block, one after the other, each as long as the block's range.
+    float* block(std::size_t t) { return data_.get() + offsets_[t]; }
+    const float* block(std::size_t t) const { return data_.get() + offsets_[t]; }
 
-    std::size_t tileOf(int x, int y) const { return std::size_t(x / kTileEdge) * tilesY_ + y / kTileEdge; }
+    std::size_t blockOf(int x, int y) const { return std::size_t(x / kBlockEdge) * blocksY_ + y / kBlockEdge; }
 
-    /// Column (x,y), its first voxel that of the tile's range.
-    const float* column(std::size_t tile, int x, int y) const {
-        const int number = (x % kTileEdge) * kTileEdge + y % kTileEdge;
-        return this->tile(tile) + std::size_t(number) * ranges_[tile].length();
+    /// Column (x,y), its first voxel that of the block's range.
+    const float* column(std::size_t block, int x, int y) const {
+        const int number = (x % kBlockEdge) * kBlockEdge + y % kBlockEdge;
+        return this->block(block) + std::size_t(number) * ranges_[block].length();
     }
 
-    float* column(std::size_t tile, int x, int y) {
-        return const_cast<float*>(static_cast<const ColumnVolume*>(this)->column(tile, x, y));
+    float* column(std::size_t block, int x, int y) {
+        return const_cast<float*>(static_cast<const ColumnVolume*>(this)->column(block, x, y));
     }
 
     /// The voxels of another volume that keeps the same.
@@ -92,9 +92,9 @@ class ColumnVolume {
         void operator()(float* p) const { std::free(p); }
     };
     ColumnLattice lattice_;
-    int tilesX_, tilesY_;
+    int blocksX_, blocksY_;
     std::vector<ColumnRange> ranges_;
-    std::vector<std::size_t> offsets_;  ///< of each tile, and the end
+    std::vector<std::size_t> offsets_;  ///< of each block, and the end
     std::unique_ptr<float[], Free> data_;
 };
 
@@ -102,7 +102,7 @@ class ColumnVolume {
 void fillColumns(ColumnVolume& volume, const openvdb::FloatGrid& grid,
                  const openvdb::Coord& shift = openvdb::Coord(0, 0, 0));
 
-/// A volume that keeps the tiles of columns in which `grid` has active voxels, and their values.
+/// A volume that keeps the blocks of columns in which `grid` has active voxels, and their values.
 ColumnVolume columnsOf(const openvdb::FloatGrid& grid, const ColumnLattice& lattice);
 
 /// The voxels further than `tolerance` from 0, as a grid called "density" with the given transform.

@@ -2,8 +2,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/projector/footprint.h"
 #include "raysweep/projector/project.h"
-#include "raysweep/projector/shadow.h"
 
 #include <algorithm>
 #include <limits>
@@ -27,13 +27,13 @@ Projections projectGrid(const openvdb::FloatGrid& grid, const ProjectionGeometry
                       projections.values.end(), std::numeric_limits<float>::quiet_NaN());
             break;
         }
-        aim(rays, geometry, view, lattice);
+        setView(rays, geometry, view, lattice);
         projectView(volume, rays);
         float* to = projections.view(view);
         parallelFor(
             std::size_t(geometry.height),
             [&](std::size_t row) {
-                const int v = rays.footprint.flipped ? geometry.height - 1 - int(row) : int(row);
+                const int v = rays.view.flipped ? geometry.height - 1 - int(row) : int(row);
                 for (int u = 0; u < geometry.width; ++u)
                     to[row * std::size_t(geometry.width) + std::size_t(u)] = rays.values.column(u)[v];
             },

@@ -1,7 +1,9 @@
+// Eq. 3 and 4 of fbp.h: each view is weighted and filtered, then each voxel sums what the views show where it falls.
 #include "raysweep/reconstruct/fbp.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 #include "raysweep/reconstruct/orbit_fit.h"
 #include "raysweep/reconstruct/scan_angles.h"
 #include "raysweep/reconstruct/view_matrix.h"
@@ -30,13 +32,15 @@ void requireFinite(const Projections& projections) {
 }
 
 /// The turn that the views make, and what each stands for.
-struct Scan {
+struct ScanOrbit {
+    const ProjectionGeometry& geometry;
     OrbitFit orbit;
     ScanAngles angles;
     bool cone;
 
-    explicit Scan(const ProjectionGeometry& geometry)
-        : orbit(fitOrbit(geometry)),
+    explicit ScanOrbit(const ProjectionGeometry& geometry)
+        : geometry(geometry),
+          orbit(fitOrbit(geometry)),
           angles(scanAngles(orbit.angles, geometry.beam == BeamShape::cone ? 2 * kPi : kPi)),
           cone(geometry.beam == BeamShape::cone) {}
 
@@ -46,8 +50,7 @@ struct Scan {
         return std::atan2(toAxis.cross(ray).dot(orbit.axis), toAxis.dot(ray));
     }
 
-    /// What a ray counts, before its view is filtered: its part of the turn, half of it where a full turn measures each
-    /// line twice, and the cosine of its angle with the ray to the axis.
+    /// What a ray counts before its view is filtered, Δθ or w cos φ of eq. 3 and 4.
     double weight(const XrayView& view, std::size_t n, const Vec3& pixel) const {
         if (!cone) return angles.weights[n];
         const double cosine =
@@ -94,9 +97,10 @@ struct FilteredViews {
     const float* view(std::size_t n) const { return values.data() + n * perView; }
 };
 
-/// `rows`: room for one view.
-void filterView(FilteredViews& filtered, std::size_t n, const Projections& projections, const XrayView& view,
-                const Scan& scan, const RampFilter& ramp, std::vector<float>& rows) {
+void filterView(FilteredViews& filtered, std::size_t n, const Projections& projections, const ScanOrbit& scan,
+                const RampFilter& ramp) {
+    const XrayView& view = scan.geometry.views[n];
+    std::vector<float> rows(projections.pixelsPerView());
     const std::size_t width = std::size_t(filtered.width), height = std::size_t(filtered.height);
     const double scale = scan.scale(view);
     parallelFor(height, [&](std::size_t y) {
@@ -145,7 +149,7 @@ inline float inRim(float place, int size) {
     return std::min(std::max(place + 1, 0.0f), float(size + 1));
 }
 
-/// Adds what view n shows to a column of voxels.
+/// Adds what view n shows to a column of voxels: a term of eq. 3 or 4.
 void addTilted(const FilteredViews& views, std::size_t n, const VoxelColumn& voxels, float* sums) {
     const float* pixels = views.view(n);
     const std::size_t stride = views.stride;
@@ -182,7 +186,7 @@ void addUpright(const FilteredViews& views, std::size_t n, const VoxelColumn& vo
 constexpr int kEdge = 8;  ///< of a leaf
 
 /// The voxels of the leaves above each other at (i,j), i and j multiples of 8: 64 columns.
-std::vector<float> backprojectBlock(const FilteredViews& views, const ReconstructionGrid& where, int i, int j) {
+std::vector<float> backprojectColumns(const FilteredViews& views, const ReconstructionGrid& where, int i, int j) {
     const int count = where.dims.z;
     const int endI = std::min(kEdge, where.dims.x - i), endJ = std::min(kEdge, where.dims.y - j);
     std::vector<float> sums(std::size_t(kEdge) * kEdge * std::size_t(count)), line(views.stride);
@@ -232,17 +236,39 @@ void requireInFront(const FilteredViews& views, const ReconstructionGrid& where)
         }
 }
 
+/// @return false if `progress` asked to stop.
+bool filterViews(FilteredViews& filtered, const Projections& projections, const ScanOrbit& scan, const RampFilter& ramp,
+                 const ProgressCallback& progress) {
+    for (std::size_t n = 0; n < filtered.matrices.size(); ++n) {
+        if (!report(progress, "filtering", double(n) / double(filtered.matrices.size()))) return false;
+        filterView(filtered, n, projections, scan, ramp);
+    }
+    return true;
+}
+
+void backproject(const FilteredViews& filtered, const ReconstructionGrid& where, const FbpOptions& options,
+                 const ProgressCallback& progress, openvdb::FloatGrid& grid) {
+    for (int i = 0; i < where.dims.x; i += kEdge) {
+        if (!report(progress, "backprojecting", double(i) / where.dims.x)) return;
+        std::vector<Leaves> made(std::size_t((where.dims.y + kEdge - 1) / kEdge));
+        parallelFor(made.size(), [&](std::size_t block) {
+            const int j = int(block) * kEdge;
+            made[block] = leavesOf(backprojectColumns(filtered, where, i, j), where, i, j, options);
+        });
+        for (Leaves& leaves : made)
+            for (auto& leaf : leaves) grid.tree().addLeaf(leaf.release());
+    }
+}
+
 }  // namespace
 
 void FbpOptions::validate() const {
-    if (!(cutoff > 0 && cutoff <= 1))
-        throw InvalidArgument("cutoff is " + std::to_string(cutoff) + ", but must be in (0,1]");
-    if (!(tolerance >= 0 && std::isfinite(tolerance)))
-        throw InvalidArgument("tolerance is " + std::to_string(tolerance) + ", but must be 0 or more, and finite");
+    requireField(cutoff > 0 && cutoff <= 1, "cutoff", cutoff, "in (0,1]");
+    requireField(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "0 or more, and finite");
 }
 
 std::string scanWarning(const ProjectionGeometry& geometry) {
-    const Scan scan(geometry);
+    const ScanOrbit scan(geometry);
     if (scan.angles.closed) return "";
     double fan = 0;
     for (const XrayView& view : geometry.views) {
@@ -265,7 +291,7 @@ openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, c
     options.validate();
     where.validate();
     requireMatching(geometry, projections);
-    const Scan scan(geometry);
+    const ScanOrbit scan(geometry);
     requireFinite(projections);
     FilteredViews filtered(geometry);
     requireInFront(filtered, where);
@@ -275,21 +301,8 @@ openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, c
     grid->setName("density");
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     const RampFilter ramp(geometry.width, options.window, options.cutoff);
-    std::vector<float> rows(projections.pixelsPerView());
-    for (std::size_t n = 0; n < geometry.views.size(); ++n) {
-        if (!report(progress, "filtering", double(n) / double(geometry.views.size()))) return grid;
-        filterView(filtered, n, projections, geometry.views[n], scan, ramp, rows);
-    }
-    for (int i = 0; i < where.dims.x; i += kEdge) {
-        if (!report(progress, "backprojecting", double(i) / where.dims.x)) return grid;
-        std::vector<Leaves> made(std::size_t((where.dims.y + kEdge - 1) / kEdge));
-        parallelFor(made.size(), [&](std::size_t block) {
-            const int j = int(block) * kEdge;
-            made[block] = leavesOf(backprojectBlock(filtered, where, i, j), where, i, j, options);
-        });
-        for (Leaves& leaves : made)
-            for (auto& leaf : leaves) grid->tree().addLeaf(leaf.release());
-    }
+    if (filterViews(filtered, projections, scan, ramp, progress))
+        backproject(filtered, where, options, progress, *grid);
     return grid;
 }
 

@@ -1,4 +1,17 @@
-/// Filtered backprojection: a volume in one step from projections along a turn about an axis.
+/// Filtered backprojection: a volume in one go from projections along a turn about an axis. Parallel beams, FBP (Kak
+/// and Slaney, Principles of Computerized Tomographic Imaging, 1988, section 3.3; docs/ct.md, eq. 3):
+///
+///     x(r) = Σ_n Δθ_n (h * p_n)(u_n(r)) / pitch                                                             (3)
+///
+/// Cones, FDK (L. A. Feldkamp, L. C. Davis and J. W. Kress, "Practical cone-beam algorithm", J. Opt. Soc. Am. A 1,
+/// 1984; Kak and Slaney, section 3.6; docs/ct.md, eq. 4), exact in the sources' plane:
+///
+///     x(r) = Σ_n R / (SDD pitch) (h * w_n cos φ p_n)(u_n(r), v_n(r)) / depth_n(r)²                          (4)
+///
+/// n: views; h: ramp filter along detector rows (ramp_filter.h, eq. 5), samples `pitch` apart; u, v: pixel onto which r
+/// falls; Δθ_n: part of half a turn that view n stands for (scan_angles.h); w_n: Δβ_n / 2 in a full turn, else Δβ_n
+/// times Parker's weight; φ: angle of a ray with the one to the axis; R: source to axis (SID); depth: 0 at the source,
+/// 1 on the detector.
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
@@ -22,15 +35,11 @@ struct FbpOptions {
     void validate() const;
 };
 
-/// Extinction, per world unit, of the voxels `where`: each voxel sums what the filtered views show at the place it
-/// casts its shadow on, between pixels linearly, 0 beside the detector. Parallel beams: filtered backprojection; views
-/// may be at any angles and count by the part of half a turn they stand for. Cones: Feldkamp, Davis and Kress,
-/// Practical cone-beam algorithm, J. Opt. Soc. Am. A 1 (1984), exact in the sources' plane; less than a full turn with
-/// Parker's weights. Both after Kak and Slaney, Principles of Computerized Tomographic Imaging (1988), chapter 3.
-/// Detectors may be shifted; rows that are not at right angles to the axis are filtered as if they were. Saturation is
-/// not known to it. The grid "density" has all voxels that are further than the tolerance from 0; the same bits for any
-/// number of threads. If `progress` asks to stop, the rest of the volume is empty. Memory: the volume and one copy of
-/// the projections.
+/// Extinction, per world unit, of the voxels `where`, by eq. 3 or 4: between pixels linearly, 0 beside the detector.
+/// Views may be at any angles. Detectors may be shifted; rows that are not at right angles to the axis are filtered as
+/// if they were. Saturation is not known to it. The grid "density" has all voxels that are further than the tolerance
+/// from 0; the same bits for any number of threads. If `progress` asks to stop, the rest of the volume is empty.
+/// Memory: the volume and one copy of the projections.
 /// @throw InvalidArgument if projections and geometry differ in size, naming the first pixel that is not finite, if the
 /// grid reaches a source, as fitOrbit, and as validate.
 openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, const ProjectionGeometry& geometry,

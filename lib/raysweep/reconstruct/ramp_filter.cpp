@@ -1,14 +1,13 @@
 #include "raysweep/reconstruct/ramp_filter.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 #include "raysweep/core/types.h"
 
 #include <kissfft/kissfft.hh>
 
 #include <cmath>
 #include <complex>
-#include <string>
 
 namespace raysweep {
 namespace {
@@ -23,7 +22,7 @@ std::size_t paddedLength(int width) {
     return length;
 }
 
-/// Eq. 61 for a distance of 1: of sample n, and, as the transform is periodic, of n - length.
+/// Eq. 5 of ramp_filter.h: of sample n, and, as the transform is periodic, of n - length.
 double kernel(std::size_t n, std::size_t length) {
     const double distance = double(n <= length / 2 ? n : length - n);
     if (n == 0) return 0.25;
@@ -51,9 +50,8 @@ double windowAt(RampWindow window, double f) {
 }  // namespace
 
 RampFilter::RampFilter(int width, RampWindow window, double cutoff) : width_(width) {
-    if (width < 1) throw InvalidArgument("ramp filter: a row has " + std::to_string(width) + " samples: at least 1");
-    if (!(cutoff > 0 && cutoff <= 1))
-        throw InvalidArgument("cutoff is " + std::to_string(cutoff) + ", but must be in (0,1]");
+    requireField(width >= 1, "ramp filter: samples of a row", width, "at least 1");
+    requireField(cutoff > 0 && cutoff <= 1, "cutoff", cutoff, "in (0,1]");
     const std::size_t length = paddedLength(width);
     std::vector<Complex> samples(length), spectrum(length);
     for (std::size_t n = 0; n < length; ++n) samples[n] = kernel(n, length);

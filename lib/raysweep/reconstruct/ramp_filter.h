@@ -1,4 +1,10 @@
-/// The filter that filtered backprojection is named for.
+/// The ramp filter |f| of filtered backprojection, as the convolution of rows with samples of its kernel (Kak and
+/// Slaney, Principles of Computerized Tomographic Imaging, 1988, chapter 3, eq. 61; docs/ct.md, eq. 5), for a distance
+/// of 1:
+///
+///     h[0] = 1/4,   h[n] = 0 for even n,   h[n] = -1 / (π n)² for odd n                                      (5)
+///
+/// It is made in space and transformed: |f| sampled in frequency would lose the mean of the row.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +22,8 @@ enum class RampWindow {
     hann         ///< 0.5 + 0.5 cosine, 0 at the cutoff
 };
 
-/// Ramp filter for rows of samples at distance 1; at distance d its results are d times too large. Rows count as 0
-/// beyond their ends. Kernel: Kak and Slaney, Principles of Computerized Tomographic Imaging (1988), eq. 61 of chapter
-/// 3, made in space and transformed: |f| sampled in frequency would lose the mean of the row.
+/// For rows of samples at distance 1; at distance d its results are d times too large. Rows count as 0 beyond their
+/// ends.
 class RampFilter {
   public:
     /// `width`: samples of a row, > 0. `cutoff`: where the window ends, in (0,1] of the highest frequency (1/2 per

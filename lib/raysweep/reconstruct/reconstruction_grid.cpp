@@ -1,6 +1,7 @@
 #include "raysweep/reconstruct/reconstruction_grid.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 #include "raysweep/reconstruct/orbit_fit.h"
 
 #include <algorithm>
@@ -55,15 +56,11 @@ openvdb::math::Transform::Ptr ReconstructionGrid::transform() const {
 
 void ReconstructionGrid::validate() const {
     for (int axis = 0; axis < 3; ++axis) {
-        if (dims[axis] < 1)
-            throw InvalidArgument("reconstruction grid dims[" + std::to_string(axis) + "] is " +
-                                  std::to_string(dims[axis]) + ", but must be at least 1");
-        if (!std::isfinite(center[axis]))
-            throw InvalidArgument("reconstruction grid center[" + std::to_string(axis) + "] must be finite");
+        const std::string number = "[" + std::to_string(axis) + "]";
+        requireField(dims[axis] >= 1, "reconstruction grid dims" + number, dims[axis], "at least 1");
+        requireField(std::isfinite(center[axis]), "reconstruction grid center" + number, center[axis], "finite");
     }
-    if (!(spacing > 0 && std::isfinite(spacing)))
-        throw InvalidArgument("reconstruction grid spacing is " + std::to_string(spacing) +
-                              ", but must be positive and finite");
+    requireField(spacing > 0 && std::isfinite(spacing), "reconstruction grid spacing", spacing, "positive and finite");
 }
 
 ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry) {

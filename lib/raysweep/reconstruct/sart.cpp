@@ -1,10 +1,14 @@
+// One update (eq. 2 of sart.h): forward projection (setView, projectView), residual, backprojection, updateVoxels; a
+// pass goes over all views.
 #include "raysweep/reconstruct/sart.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 #include "raysweep/projector/backproject.h"
-#include "raysweep/projector/shadow.h"
+#include "raysweep/projector/footprint.h"
 #include "raysweep/reconstruct/support.h"
 #include "raysweep/reconstruct/total_variation.h"
+#include "raysweep/reconstruct/voxel_update.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,35 +23,37 @@ namespace {
 constexpr float kLeastLength = 1e-3f;
 
 /// Sums over rays.
-struct RaySquares {
-    double missed = 0, measured = 0, count = 0;
-    RaySquares& operator+=(const RaySquares& other) {
-        missed += other.missed;
+struct ResidualSums {
+    double residual = 0, measured = 0;  ///< of squares
+    double count = 0;                   ///< of rays that were used
+    ResidualSums& operator+=(const ResidualSums& other) {
+        residual += other.residual;
         measured += other.measured;
         count += other.count;
         return *this;
     }
 };
 
-/// Turns A x and A 1 of a view into what each ray asks of its voxels, (p - A x) / A 1, and a weight of 1 or 0.
-RaySquares ask(ViewRays& rays, const Projections& projections, int view, float leastLength) {
-    const ViewFootprint& f = rays.footprint;
-    const float* measured = projections.view(view);
-    return orderedSum<RaySquares>(
-        std::size_t(f.width),
+/// Turns A x and A 1 of a view into each ray's residual over its length, (p - A x) / A 1, and a weight of 1; both are 0
+/// for rays that are not used: not measured, outside the volume, or saturated and no longer below what was measured.
+ResidualSums residual(ViewRays& rays, const Projections& projections, int number, float leastLength) {
+    const JosephView& view = rays.view;
+    const float* measured = projections.view(number);
+    return orderedSum<ResidualSums>(
+        std::size_t(view.width),
         [&](std::size_t u) {
-            RaySquares sum;
+            ResidualSums sum;
             float *values = rays.values.column(int(u)), *weights = rays.weights.column(int(u));
-            for (int v = 0; v < f.height; ++v) {
-                const int row = f.flipped ? f.height - 1 - v : v;
-                const float p = measured[std::size_t(row) * f.width + u];
-                float missing = p - values[v];
-                // A saturated ray says "at least": content as soon as it is.
-                const bool content = p >= projections.saturation && missing <= 0;
+            for (int v = 0; v < view.height; ++v) {
+                const int row = view.flipped ? view.height - 1 - v : v;
+                const float p = measured[std::size_t(row) * view.width + u];
+                const float difference = p - values[v];
+                // A saturated ray says "at least": it is left out as soon as that is so.
+                const bool satisfied = p >= projections.saturation && difference <= 0;
                 const bool used = weights[v] > leastLength && !std::isnan(p);
-                if (used && !content) {
-                    sum += {double(missing) * missing, double(p) * p, 1};
-                    values[v] = missing / weights[v];
+                if (used && !satisfied) {
+                    sum += {double(difference) * difference, double(p) * p, 1};
+                    values[v] = difference / weights[v];
                     weights[v] = 1;
                 } else {
                     values[v] = weights[v] = 0;
@@ -57,46 +63,6 @@ RaySquares ask(ViewRays& rays, const Projections& projections, int view, float l
         },
         16);
 }
-
-class Solver {
-  public:
-    Solver(const Projections& projections, const ProjectionGeometry& geometry, const SartOptions& options,
-           ColumnVolume& volume)
-        : projections_(projections), geometry_(geometry), options_(options), volume_(volume) {
-        const Matrix3& m = volume.lattice().worldFromVoxel;
-        leastLength_ = kLeastLength * float(std::cbrt(std::abs(m.determinant())));
-    }
-
-    /// One correction by `views`.
-    RaySquares update(const std::vector<int>& views, double relaxation) {
-        rays_.resize(views.size());  // a pass's last subset may be smaller
-        RaySquares squares;
-        for (std::size_t n = 0; n < views.size(); ++n) {
-            aim(rays_[n], geometry_, views[n], volume_.lattice());
-            projectView(volume_, rays_[n]);
-            squares += ask(rays_[n], projections_, views[n], leastLength_);
-            readyRays(rays_[n], volume_.lattice().dims.z);
-        }
-        const VoxelUpdate step{float(relaxation), float(options_.lower), float(options_.upper)};
-        parallelFor(volume_.tileCount(), [&](std::size_t tile) {
-            const std::size_t count = volume_.voxelsOf(tile);
-            if (count == 0) return;
-            thread_local std::vector<float> sums;
-            sums.resize(2 * count);
-            backprojectTile(volume_, tile, rays_, sums.data(), sums.data() + count);
-            updateVoxels(volume_.tile(tile), sums.data(), sums.data() + count, count, step);
-        });
-        return squares;
-    }
-
-  private:
-    const Projections& projections_;
-    const ProjectionGeometry& geometry_;
-    const SartOptions& options_;
-    ColumnVolume& volume_;
-    float leastLength_;
-    std::vector<ViewRays> rays_;
-};
 
 void requireNoInfinity(const Projections& projections) {
     for (std::size_t n = 0; n < projections.values.size(); ++n)
@@ -114,6 +80,14 @@ float largest(const Projections& projections) {
     return most;
 }
 
+ColumnLattice latticeOf(const ReconstructionGrid& grid, const ProjectionGeometry& geometry) {
+    const auto transform = grid.transform();
+    const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0),
+                                 openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
+    return columnLattice(box, *transform, columnAxisFor(geometry, *transform));
+}
+
+/// The voxels that are kept, all 0.
 ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometry& geometry,
                          const ColumnLattice& lattice, const SartOptions& options) {
     if (options.support == Support::none) return ColumnVolume(lattice);
@@ -168,27 +142,126 @@ std::string howItGoes(const std::vector<SartPoint>& history) {
 /// How often total variation is lowered after a pass.
 constexpr int kVariationSteps = 10;
 
+/// What is to be met, and how.
+struct Problem {
+    const Projections& projections;
+    const ProjectionGeometry& geometry;
+    const SartOptions& options;
+};
+
+/// The iteration on one volume, and its record.
+class Solver {
+  public:
+    /// @param reference may be null
+    Solver(const Problem& problem, ColumnVolume& volume, const ColumnVolume* reference, SartResult& result)
+        : projections_(problem.projections),
+          geometry_(problem.geometry),
+          options_(problem.options),
+          volume_(volume),
+          reference_(reference),
+          result_(result) {
+        const Matrix3& m = volume.lattice().worldFromVoxel;
+        leastLength_ = kLeastLength * float(std::cbrt(std::abs(m.determinant())));
+        if (options_.totalVariation > 0) before_.emplace(volume.lattice(), volume.ranges());
+    }
+
+    /// All passes, unless something ends them before.
+    void run(const ProgressCallback& progress) {
+        for (int pass = 0; pass < options_.iterations && running(); ++pass) {
+            if (before_) before_->copyFrom(volume_);
+            updateByAllViews(pass, progress);
+            if (!running()) return;
+            if (before_)
+                lowerTotalVariation(volume_, *before_,
+                                    {options_.totalVariation * changeLength(volume_, *before_), kVariationSteps,
+                                     float(options_.lower), float(options_.upper)});
+            if (options_.historyEvery == 0) addPoint();
+        }
+    }
+
+  private:
+    bool running() const { return result_.termination == SartTermination::iterations; }
+
+    void updateByAllViews(int pass, const ProgressCallback& progress) {
+        const std::vector<int> order = viewOrder(geometry_, options_.order, options_.seed, pass);
+        const int views = int(order.size());
+        const int together = options_.viewsPerUpdate == 0 ? views : std::min(options_.viewsPerUpdate, views);
+        const double relaxation = options_.relaxation / (1 + options_.relaxationDecay * pass);
+        for (int first = 0; first < views && running(); first += together) {
+            if (!report(progress, "reconstructing" + howItGoes(result_.history),
+                        (pass + double(first) / views) / options_.iterations)) {
+                result_.termination = SartTermination::interrupted;
+                return;
+            }
+            const Timer timer;
+            const auto from = order.begin() + first;
+            const ResidualSums sums = update({from, from + std::min(together, views - first)}, relaxation);
+            result_.seconds += timer.seconds();
+            sums_ += sums;
+            if (pass == 0) result_.raysUsed += std::size_t(sums.count);
+            ++result_.updates;
+            if (options_.historyEvery > 0 && result_.updates % options_.historyEvery == 0) addPoint();
+        }
+    }
+
+    /// Eq. 2 for the rays of `views`.
+    ResidualSums update(const std::vector<int>& views, double relaxation) {
+        rays_.resize(views.size());  // a pass's last subset may be smaller
+        ResidualSums sums;
+        for (std::size_t n = 0; n < views.size(); ++n) {
+            setView(rays_[n], geometry_, views[n], volume_.lattice());
+            projectView(volume_, rays_[n]);
+            sums += residual(rays_[n], projections_, views[n], leastLength_);
+            prepareBackprojection(rays_[n], volume_.lattice().dims.z);
+        }
+        const VoxelUpdate step{float(relaxation), float(options_.lower), float(options_.upper)};
+        parallelFor(volume_.blockCount(), [&](std::size_t block) {
+            const std::size_t count = volume_.voxelsOf(block);
+            if (count == 0) return;
+            thread_local std::vector<float> room;
+            room.resize(2 * count);
+            backprojectBlock(volume_, block, rays_, room.data(), room.data() + count);
+            updateVoxels(volume_.block(block), room.data(), room.data() + count, count, step);
+        });
+        return sums;
+    }
+
+    /// To the history; may end the iteration.
+    void addPoint() {
+        const double residual = sums_.measured > 0 ? std::sqrt(sums_.residual / sums_.measured) : 0;
+        const double rms = reference_ ? rmsDifference(volume_, *reference_) : std::nan("");
+        result_.history.push_back({result_.updates, residual, rms});
+        sums_ = ResidualSums();
+        if (residual < options_.stopResidual) result_.termination = SartTermination::residual;
+    }
+
+    const Projections& projections_;
+    const ProjectionGeometry& geometry_;
+    const SartOptions& options_;
+    ColumnVolume& volume_;
+    const ColumnVolume* reference_;
+    SartResult& result_;
+    float leastLength_;
+    std::optional<ColumnVolume> before_;  ///< the volume as the pass began, for total variation
+    std::vector<ViewRays> rays_;
+    ResidualSums sums_;  ///< since the last point of the history
+};
+
 }  // namespace
 
 void SartOptions::validate() const {
-    const auto require = [](bool good, const char* field, double value, const char* bound) {
-        if (good) return;
-        std::ostringstream message;
-        message << field << " " << value << ": must be " << bound;
-        throw InvalidArgument(message.str());
-    };
-    require(iterations > 0, "iterations", iterations, "at least 1");
-    require(viewsPerUpdate >= 0, "viewsPerUpdate", viewsPerUpdate, "at least 0");
-    require(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "between 0 and 2");
-    require(relaxationDecay >= 0 && std::isfinite(relaxationDecay), "relaxationDecay", relaxationDecay,
-            "0 or more, and finite");
-    require(lower <= upper, "lower", lower, "at most upper");
-    require(!(lower > 0) && !(upper < 0), "bounds around", 0, "such that voxels can be 0");
-    require(totalVariation >= 0 && totalVariation < 1, "totalVariation", totalVariation, "in [0,1)");
-    require(stopResidual >= 0, "stopResidual", stopResidual, "0 or more");
-    require(supportThreshold >= 0 && supportThreshold < 1, "supportThreshold", supportThreshold, "in [0,1)");
-    require(historyEvery >= 0, "historyEvery", historyEvery, "at least 0");
-    require(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "0 or more, and finite");
+    requireField(iterations > 0, "iterations", iterations, "at least 1");
+    requireField(viewsPerUpdate >= 0, "viewsPerUpdate", viewsPerUpdate, "at least 0");
+    requireField(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "between 0 and 2");
+    requireField(relaxationDecay >= 0 && std::isfinite(relaxationDecay), "relaxationDecay", relaxationDecay,
+                 "0 or more, and finite");
+    requireField(lower <= upper, "lower", lower, "at most upper");
+    requireField(!(lower > 0) && !(upper < 0), "bounds around", 0, "such that voxels can be 0");
+    requireField(totalVariation >= 0 && totalVariation < 1, "totalVariation", totalVariation, "in [0,1)");
+    requireField(stopResidual >= 0, "stopResidual", stopResidual, "0 or more");
+    requireField(supportThreshold >= 0 && supportThreshold < 1, "supportThreshold", supportThreshold, "in [0,1)");
+    requireField(historyEvery >= 0, "historyEvery", historyEvery, "at least 0");
+    requireField(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "0 or more, and finite");
 }
 
 SartResult sart(const Projections& projections, const ProjectionGeometry& geometry, const ReconstructionGrid& grid,
@@ -199,63 +272,22 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     requireMatching(geometry, projections);
     requireNoInfinity(projections);
 
-    const auto transform = grid.transform();
-    const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0),
-                                 openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
-    const ColumnLattice lattice = columnLattice(box, *transform, columnAxisFor(geometry, *transform));
     SartResult result;
+    const ColumnLattice lattice = latticeOf(grid, geometry);
     result.viewsSeeing = requireSeen(geometry, lattice);
     ColumnVolume volume = emptyVolume(projections, geometry, lattice, options);
+    result.keptVoxels = volume.storedVoxels();
     if (volumes.initial) {
         fillColumns(volume, *volumes.initial, shiftTo(*volumes.initial, grid, "initial"));
         volume.clampAll(float(options.lower), float(options.upper));
     }
-    std::optional<ColumnVolume> reference, before;
+    std::optional<ColumnVolume> reference;
     if (volumes.reference) {
         reference.emplace(lattice);
         fillColumns(*reference, *volumes.reference, shiftTo(*volumes.reference, grid, "reference"));
     }
-    if (options.totalVariation > 0) before.emplace(lattice, volume.ranges());
-
-    result.keptVoxels = volume.storedVoxels();
-    Solver solver(projections, geometry, options, volume);
-    const int views = int(geometry.views.size());
-    const int together = options.viewsPerUpdate == 0 ? views : std::min(options.viewsPerUpdate, views);
-    RaySquares squares;  // since the last point of the history
-    const auto addPoint = [&] {
-        const double residual = squares.measured > 0 ? std::sqrt(squares.missed / squares.measured) : 0;
-        const double rms = reference ? rmsDifference(volume, *reference) : std::nan("");
-        result.history.push_back({result.updates, residual, rms});
-        squares = RaySquares();
-        if (residual < options.stopResidual) result.termination = SartTermination::residual;
-    };
-    for (int pass = 0; pass < options.iterations; ++pass) {
-        const std::vector<int> order = viewOrder(geometry, options.order, options.seed, pass);
-        const double relaxation = options.relaxation / (1 + options.relaxationDecay * pass);
-        if (before) before->copyFrom(volume);
-        for (int first = 0; first < views && result.termination == SartTermination::iterations; first += together) {
-            if (!report(progress, "reconstructing" + howItGoes(result.history),
-                        (pass + double(first) / views) / options.iterations)) {
-                result.termination = SartTermination::interrupted;
-                break;
-            }
-            const Timer timer;
-            const auto from = order.begin() + first;
-            const RaySquares update = solver.update({from, from + std::min(together, views - first)}, relaxation);
-            result.seconds += timer.seconds();
-            squares += update;
-            if (pass == 0) result.raysUsed += std::size_t(update.count);
-            ++result.updates;
-            if (options.historyEvery > 0 && result.updates % options.historyEvery == 0) addPoint();
-        }
-        if (result.termination != SartTermination::iterations) break;
-        if (before)
-            lowerTotalVariation(volume, *before, options.totalVariation * changeLength(volume, *before),
-                                kVariationSteps, float(options.lower), float(options.upper));
-        if (options.historyEvery == 0) addPoint();
-        if (result.termination != SartTermination::iterations) break;
-    }
-    result.volume = gridOf(volume, *transform, float(options.tolerance));
+    Solver({projections, geometry, options}, volume, reference ? &*reference : nullptr, result).run(progress);
+    result.volume = gridOf(volume, *grid.transform(), float(options.tolerance));
     return result;
 }
 

@@ -1,6 +1,12 @@
-/// Iterative reconstruction: rays are sent through the volume, and what they fall short of the measured line integrals
-/// is given back along them. A. H. Andersen and A. C. Kak, "Simultaneous Algebraic Reconstruction Technique (SART)",
-/// Ultrasonic Imaging 6, 1984; Dachille, Mueller and Kaufman 2000, section 3.
+/// SART, the simultaneous algebraic reconstruction technique: A. H. Andersen and A. C. Kak, "Simultaneous Algebraic
+/// Reconstruction Technique (SART): a superior implementation of the ART algorithm", Ultrasonic Imaging 6, 1984;
+/// Dachille, Mueller and Kaufman 2000, section 3. Each update goes over the rays i of one view or of several, and
+/// corrects every voxel j that they meet by the mean of their residuals, each spread over its ray's length,
+///
+///     x_j <- clamp(x_j + λ Σ_i a_ij (p_i - Σ_k a_ik x_k) / Σ_k a_ik  /  Σ_i a_ij)                             (2)
+///
+/// or x <- x + λ Aᵀ((p - A x) / A 1) / Aᵀ 1 (docs/ct.md, eq. 2): p line integrals, a_ij Joseph's weight times length
+/// (joseph.h, eq. 1), λ `relaxation`. With all views in one update it is SIRT, with some OS-SART.
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
@@ -19,7 +25,7 @@
 namespace raysweep {
 
 enum class Support {
-    automatic,  ///< only voxels of the visual hull are kept and swept (see support.h)
+    automatic,  ///< only voxels of the visual hull are kept (see support.h)
     none        ///< all voxels of the grid
 };
 
@@ -53,9 +59,9 @@ enum class SartTermination {
 /// How far it was after a pass, or after `historyEvery` updates.
 struct SartPoint {
     int updates;      ///< so far
-    double residual;  ///< RMS of what rays fell short of, each when its turn came since the last point, relative to the
-                      ///< RMS of their line integrals
-    double rms;       ///< RMS difference to the reference over all voxels of the grid; NaN without one
+    double residual;  ///< RMS of p - A x over the rays since the last point, each just before its update, relative to
+                      ///< the RMS of their line integrals p
+    double rms;  ///< RMS difference to the reference over all voxels of the grid; NaN without one
 };
 
 struct SartResult {

@@ -1,7 +1,7 @@
 #include "raysweep/reconstruct/support.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/projector/shadow.h"
+#include "raysweep/projector/footprint.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -43,37 +43,37 @@ class SeenPixels {
 
 std::vector<ColumnRange> visualHull(const Projections& projections, const ProjectionGeometry& geometry,
                                     const ColumnLattice& lattice, float threshold) {
-    const int tilesX = (lattice.dims.x + kTileEdge - 1) / kTileEdge,
-              tilesY = (lattice.dims.y + kTileEdge - 1) / kTileEdge;
+    const int blocksX = (lattice.dims.x + kBlockEdge - 1) / kBlockEdge,
+              blocksY = (lattice.dims.y + kBlockEdge - 1) / kBlockEdge;
     const int chunks = (lattice.dims.z + kColumnChunk - 1) / kColumnChunk;
-    std::vector<std::uint8_t> empty(std::size_t(tilesX) * tilesY * chunks);
+    std::vector<std::uint8_t> empty(std::size_t(blocksX) * blocksY * chunks);
     for (int n = 0; n < int(geometry.views.size()); ++n) {
-        const ViewFootprint footprint = footprintOf(geometry, n, lattice);
+        const JosephView view = josephView(geometry, n, lattice);
         const SeenPixels seen(projections, n, threshold);
         parallelFor(
             empty.size(),
             [&](std::size_t i) {
                 if (empty[i]) return;
                 VoxelBox box;
-                box.low = Index3(int(i / chunks) / tilesY * kTileEdge, int(i / chunks) % tilesY * kTileEdge,
+                box.low = Index3(int(i / chunks) / blocksY * kBlockEdge, int(i / chunks) % blocksY * kBlockEdge,
                                  int(i % chunks) * kColumnChunk);
-                box.high = Index3(std::min(box.low.x + kTileEdge, lattice.dims.x),
-                                  std::min(box.low.y + kTileEdge, lattice.dims.y),
+                box.high = Index3(std::min(box.low.x + kBlockEdge, lattice.dims.x),
+                                  std::min(box.low.y + kBlockEdge, lattice.dims.y),
                                   std::min(box.low.z + kColumnChunk, lattice.dims.z));
-                if (!isOnDetector(box, footprint)) return;
-                PixelBox pixels = shadowOf(box, footprint);
-                if (footprint.flipped)
-                    pixels = {pixels.lowColumn, pixels.highColumn, footprint.height - pixels.highRow,
-                              footprint.height - pixels.lowRow};
+                if (!isOnDetector(box, view)) return;
+                PixelBox pixels = footprintOf(box, view);
+                if (view.flipped)
+                    pixels = {pixels.lowColumn, pixels.highColumn, view.height - pixels.highRow,
+                              view.height - pixels.lowRow};
                 empty[i] = seen.none(pixels);
             },
             64);
     }
-    std::vector<ColumnRange> kept(std::size_t(tilesX) * tilesY);
-    for (std::size_t tile = 0; tile < kept.size(); ++tile)
+    std::vector<ColumnRange> kept(std::size_t(blocksX) * blocksY);
+    for (std::size_t block = 0; block < kept.size(); ++block)
         for (int chunk = 0; chunk < chunks; ++chunk) {
-            if (empty[tile * chunks + chunk]) continue;
-            ColumnRange& range = kept[tile];
+            if (empty[block * chunks + chunk]) continue;
+            ColumnRange& range = kept[block];
             if (range.length() == 0) range.low = chunk * kColumnChunk;
             range.high = (chunk + 1) * kColumnChunk;
         }

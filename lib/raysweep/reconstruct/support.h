@@ -1,4 +1,4 @@
-/// Where there can be anything at all.
+/// The support: where there can be anything at all.
 #pragma once
 
 #include "raysweep/camera/projections.h"
@@ -8,8 +8,8 @@
 
 namespace raysweep {
 
-/// The tiles and chunks of columns (8x8x16 voxels) that remain when all are taken away that some view looks through and
-/// sees nothing: the visual hull. A pixel sees nothing if its value is at most `threshold`; pixels that were not
+/// The blocks and chunks of columns (8x8x16 voxels) that remain when all are taken away that some view looks through
+/// and sees nothing: the visual hull. A pixel sees nothing if its value is at most `threshold`; pixels that were not
 /// measured, and what lies off the detector, may hide anything.
 /// @param threshold line integral
 std::vector<ColumnRange> visualHull(const Projections& projections, const ProjectionGeometry& geometry,

@@ -9,27 +9,27 @@
 namespace raysweep {
 namespace {
 
-constexpr int kHalo = kTileEdge + 2;  // columns along the edge of a tile with its neighbours
+constexpr int kHalo = kBlockEdge + 2;  // columns along the edge of a block with its neighbours
 
-/// A tile with one voxel more on all sides.
-struct HaloTile {
+/// A block with one voxel more on all sides.
+struct HaloBlock {
     int length;  ///< of a column
     std::vector<float> values;
 
     float* column(int x, int y) { return values.data() + std::size_t((x + 1) * kHalo + y + 1) * length + 1; }
 };
 
-void copyWithHalo(const ColumnVolume& volume, std::size_t tile, HaloTile& to) {
-    const ColumnRange own = volume.ranges()[tile];
+void copyWithHalo(const ColumnVolume& volume, std::size_t block, HaloBlock& to) {
+    const ColumnRange own = volume.ranges()[block];
     const ColumnLattice& lattice = volume.lattice();
     to.length = own.length() + 2;
     to.values.assign(std::size_t(kHalo) * kHalo * to.length, 0.0f);
-    const int firstX = int(tile / volume.tilesY()) * kTileEdge, firstY = int(tile % volume.tilesY()) * kTileEdge;
-    for (int x = -1; x <= kTileEdge; ++x)
-        for (int y = -1; y <= kTileEdge; ++y) {
+    const int firstX = int(block / volume.blocksY()) * kBlockEdge, firstY = int(block % volume.blocksY()) * kBlockEdge;
+    for (int x = -1; x <= kBlockEdge; ++x)
+        for (int y = -1; y <= kBlockEdge; ++y) {
             const int i = firstX + x, j = firstY + y;
             if (i < 0 || j < 0 || i >= lattice.dims.x || j >= lattice.dims.y) continue;
-            const std::size_t from = volume.tileOf(i, j);
+            const std::size_t from = volume.blockOf(i, j);
             const ColumnRange range = volume.ranges()[from];
             const int low = std::max(own.low - 1, range.low), high = std::min(own.high + 1, range.high);
             if (low < high)
@@ -41,13 +41,13 @@ void copyWithHalo(const ColumnVolume& volume, std::size_t tile, HaloTile& to) {
 /// Differences below this part of the largest value do not matter: keeps the length of a gradient away from 0.
 constexpr float kSmallest = 1e-4f;
 
-/// Derivative of the total variation by each voxel of a tile.
+/// Derivative of the total variation (eq. 6) by each voxel of a block.
 /// @param smooth square of a difference that does not matter
-void gradientOf(HaloTile& f, HaloTile& lengths, int count, float smooth, float* gradient) {
+void gradientOf(HaloBlock& f, HaloBlock& lengths, int count, float smooth, float* gradient) {
     lengths.length = f.length;
     lengths.values.resize(f.values.size());
-    for (int x = 0; x <= kTileEdge; ++x)
-        for (int y = 0; y <= kTileEdge; ++y) {
+    for (int x = 0; x <= kBlockEdge; ++x)
+        for (int y = 0; y <= kBlockEdge; ++y) {
             const float *here = f.column(x, y), *left = f.column(x - 1, y), *before = f.column(x, y - 1);
             float* length = lengths.column(x, y);
             for (int z = 0; z <= count; ++z) {
@@ -55,8 +55,8 @@ void gradientOf(HaloTile& f, HaloTile& lengths, int count, float smooth, float* 
                 length[z] = std::sqrt(dx * dx + dy * dy + dz * dz + smooth);
             }
         }
-    for (int x = 0; x < kTileEdge; ++x)
-        for (int y = 0; y < kTileEdge; ++y, gradient += count) {
+    for (int x = 0; x < kBlockEdge; ++x)
+        for (int y = 0; y < kBlockEdge; ++y, gradient += count) {
             const float *here = f.column(x, y), *left = f.column(x - 1, y), *before = f.column(x, y - 1);
             const float *right = f.column(x + 1, y), *behind = f.column(x, y + 1);
             const float *length = lengths.column(x, y), *rightLength = lengths.column(x + 1, y),
@@ -70,62 +70,64 @@ void gradientOf(HaloTile& f, HaloTile& lengths, int count, float smooth, float* 
 
 float largestIn(const ColumnVolume& volume) {
     float largest = 0;
-    for (std::size_t i = 0; i < volume.storedVoxels(); ++i) largest = std::max(largest, std::abs(volume.tile(0)[i]));
+    for (std::size_t i = 0; i < volume.storedVoxels(); ++i) largest = std::max(largest, std::abs(volume.block(0)[i]));
     return largest;
 }
 
 template <class Term>
 double sumOverVoxels(const ColumnVolume& volume, const Term& term) {
     return orderedSum<double>(
-        volume.tileCount(),
-        [&](std::size_t tile) {
+        volume.blockCount(),
+        [&](std::size_t block) {
             double sum = 0;
-            for (std::size_t i = 0; i < volume.voxelsOf(tile); ++i) sum += term(tile, i);
+            for (std::size_t i = 0; i < volume.voxelsOf(block); ++i) sum += term(block, i);
             return sum;
         },
         4);
 }
 
+/// x -= scale * gradient within bounds. Voxels beyond the lattice must stay 0.
+void descend(ColumnVolume& volume, const ColumnVolume& gradients, float scale, const VariationSteps& how) {
+    const Index3 dims = volume.lattice().dims;
+    parallelFor(volume.blockCount(), [&](std::size_t block) {
+        const ColumnRange range = volume.ranges()[block];
+        const int firstX = int(block / volume.blocksY()) * kBlockEdge,
+                  firstY = int(block % volume.blocksY()) * kBlockEdge;
+        for (int x = 0; x < std::min(kBlockEdge, dims.x - firstX); ++x)
+            for (int y = 0; y < std::min(kBlockEdge, dims.y - firstY); ++y) {
+                const std::size_t first = std::size_t(x * kBlockEdge + y) * range.length();
+                float* voxels = volume.block(block) + first;
+                const float* gradient = gradients.block(block) + first;
+                for (int z = 0; z < std::min(range.high, dims.z) - range.low; ++z)
+                    voxels[z] = std::clamp(voxels[z] - scale * gradient[z], how.lower, how.upper);
+            }
+    });
+}
+
 }  // namespace
 
 double changeLength(const ColumnVolume& a, const ColumnVolume& b) {
-    return std::sqrt(sumOverVoxels(a, [&](std::size_t tile, std::size_t i) {
-        const double difference = double(a.tile(tile)[i]) - b.tile(tile)[i];
+    return std::sqrt(sumOverVoxels(a, [&](std::size_t block, std::size_t i) {
+        const double difference = double(a.block(block)[i]) - b.block(block)[i];
         return difference * difference;
     }));
 }
 
-void lowerTotalVariation(ColumnVolume& volume, ColumnVolume& scratch, double change, int steps, float lower,
-                         float upper) {
+void lowerTotalVariation(ColumnVolume& volume, ColumnVolume& scratch, const VariationSteps& how) {
     const float least = kSmallest * largestIn(volume), smooth = least * least;
     if (!(smooth > 0)) return;
-    for (int step = 0; step < steps; ++step) {
-        parallelFor(volume.tileCount(), [&](std::size_t tile) {
-            if (volume.voxelsOf(tile) == 0) return;
-            thread_local HaloTile values, lengths;
-            copyWithHalo(volume, tile, values);
-            gradientOf(values, lengths, volume.ranges()[tile].length(), smooth, scratch.tile(tile));
+    for (int step = 0; step < how.steps; ++step) {
+        parallelFor(volume.blockCount(), [&](std::size_t block) {
+            if (volume.voxelsOf(block) == 0) return;
+            thread_local HaloBlock values, lengths;
+            copyWithHalo(volume, block, values);
+            gradientOf(values, lengths, volume.ranges()[block].length(), smooth, scratch.block(block));
         });
-        const double length = std::sqrt(sumOverVoxels(scratch, [&](std::size_t tile, std::size_t i) {
-            return double(scratch.tile(tile)[i]) * scratch.tile(tile)[i];
+        const double length = std::sqrt(sumOverVoxels(scratch, [&](std::size_t block, std::size_t i) {
+            return double(scratch.block(block)[i]) * scratch.block(block)[i];
         }));
         if (!(length > 0)) return;
-        const float scale = float(change / steps / length);
-        const Index3 dims = volume.lattice().dims;
-        parallelFor(volume.tileCount(), [&](std::size_t tile) {
-            // Voxels beyond the lattice must stay 0.
-            const ColumnRange range = volume.ranges()[tile];
-            const int firstX = int(tile / volume.tilesY()) * kTileEdge,
-                      firstY = int(tile % volume.tilesY()) * kTileEdge;
-            for (int x = 0; x < std::min(kTileEdge, dims.x - firstX); ++x)
-                for (int y = 0; y < std::min(kTileEdge, dims.y - firstY); ++y) {
-                    const std::size_t first = std::size_t(x * kTileEdge + y) * range.length();
-                    float* voxels = volume.tile(tile) + first;
-                    const float* gradient = scratch.tile(tile) + first;
-                    for (int z = 0; z < std::min(range.high, dims.z) - range.low; ++z)
-                        voxels[z] = std::clamp(voxels[z] - scale * gradient[z], lower, upper);
-                }
-        });
+        descend(volume, scratch, float(how.change / how.steps / length), how);
     }
 }
 

@@ -1,4 +1,4 @@
-/// Where a point of the world casts its shadow on a detector.
+/// Perspective: onto which pixel a point of the world falls.
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,11 +59,9 @@ std::size_t toLineIntegrals(float* view, const std::vector<float>& gain, const s
 }  // namespace
 
 void LineIntegralOptions::validate() const {
-    if (!(minimumTransmission > 0 && minimumTransmission < 1))
-        throw InvalidArgument("minimumTransmission " + std::to_string(minimumTransmission) +
-                              ": must be above 0 and below 1");
-    if (!(deadGain >= 0 && deadGain < 1))
-        throw InvalidArgument("deadGain " + std::to_string(deadGain) + ": must be at least 0 and below 1");
+    requireField(minimumTransmission > 0 && minimumTransmission < 1, "minimumTransmission", minimumTransmission,
+                 "above 0 and below 1");
+    requireField(deadGain >= 0 && deadGain < 1, "deadGain", deadGain, "at least 0 and below 1");
 }
 
 LineIntegrals lineIntegrals(Projections counts, const std::vector<float>& flat, const std::vector<float>& dark,

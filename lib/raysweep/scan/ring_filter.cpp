@@ -1,12 +1,11 @@
 #include "raysweep/scan/ring_filter.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
 namespace raysweep {
@@ -75,8 +74,7 @@ std::vector<double> withoutMedian(const std::vector<double>& profile, int window
 }  // namespace
 
 void RingFilterOptions::validate() const {
-    if (window < 3 || window % 2 == 0)
-        throw InvalidArgument("ring filter window " + std::to_string(window) + ": must be odd and at least 3");
+    requireField(window >= 3 && window % 2 == 1, "ring filter window", window, "odd and at least 3");
 }
 
 void filterRings(Projections& projections, const RingFilterOptions& options) {

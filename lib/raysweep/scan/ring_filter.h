@@ -1,4 +1,11 @@
-/// Less rings around the axis, which detector pixels leave that measure a little too much or too little in all views.
+/// Less rings around the axis, which detector pixels leave that measure a little too much or too little in all views:
+///
+///     p_n(u) <- p_n(u) - ring(u),   ring = d - median_W d,   d = m - mean_W m,   m(u) = mean over n of p_n(u)  (7)
+///
+/// (docs/ct.md, eq. 7) with n views, u columns of a detector row, W a window of columns. Moving average: M. L. Rivers,
+/// Tutorial introduction to X-ray computed microtomography data processing (University of Chicago, 1998); with it alone
+/// a ring leaves traces beside it. A filter in Fourier space to the same end: C. Raven, Numerical removal of ring
+/// artifacts in microtomography, Rev. Sci. Instrum. 69 (1998), 2978-2980.
 #pragma once
 
 #include "raysweep/camera/projections.h"
@@ -14,14 +21,9 @@ struct RingFilterOptions {
     void validate() const;
 };
 
-/// Subtracts from each pixel, in all views, what the mean of its values over the views stands out by from those around
-/// it in its row: over the views an object's details average out, and those of the detector stay. What stands out is
-/// what remains without the moving average, and of that without the median. Rays that were not measured stay so;
-/// saturated values, which are bounds and not values, stay as they are. Bodies that are round about the axis and have
-/// sharp edges lose some of them. Source: M. L. Rivers, Tutorial introduction to X-ray computed microtomography data
-/// processing (University of Chicago, 1998), which has the moving average only, so that a ring leaves traces beside it.
-/// A filter in Fourier space to the same end: C. Raven, Numerical removal of ring artifacts in microtomography, Rev.
-/// Sci. Instrum. 69 (1998), 2978-2980.
+/// Subtracts eq. 7's ring from each row: over the views an object's details average out, and those of the detector
+/// stay. Rays that were not measured stay so; saturated values, which are bounds and not values, stay as they are.
+/// Bodies that are round about the axis and have sharp edges lose some of them.
 /// @throw InvalidArgument as RingFilterOptions::validate.
 void filterRings(Projections& projections, const RingFilterOptions& options = {});
 

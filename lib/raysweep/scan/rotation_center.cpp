@@ -1,9 +1,12 @@
-// A parallel beam sees the same from both sides: with s the distance from the axis, p(s, angle + 180) = p(-s, angle).
-// For an axis in column c, two such views a and b have a(x) = b(2c - x). Minimised over c is
-//   sum (a(x) - b(2c - x))^2 / (sum (a - mean a)^2 + sum (b - mean b)^2),   x: all columns that a and the mirrored b
-//   share,
-// which is 1 for views without relation, whatever their noise: else few columns of empty space would fit best. 2c is
-// taken whole, so that nothing needs to be interpolated along x, and a parabola finds the place between.
+// Where the axis falls onto the detector. A parallel beam sees the same from both sides: with s the distance from the
+// axis, p(s, angle + 180) = p(-s, angle). For an axis in column c, two such views a and b have a(x) = b(2c - x).
+// Minimised over c is (docs/ct.md, eq. 8)
+//
+//     mismatch(c) = Σ_x (a(x) - b(2c - x))² / (Σ_x (a(x) - mean a)² + Σ_x (b(x) - mean b)²)                    (8)
+//
+// x: all columns that a and the mirrored b share. It is 1 for views without relation, whatever their noise: else few
+// columns of empty space would fit best. 2c is taken whole, so that nothing needs to be interpolated along x, and a
+// parabola finds the place between.
 #include "raysweep/scan/rotation_center.h"
 
 #include "raysweep/core/error.h"
@@ -196,7 +199,7 @@ double variance(const std::vector<double>& values) {
     return sum / double(values.size());
 }
 
-/// The function to minimise, for an axis in column `twice` / 2. Columns within `margin` of an end, where smoothing
+/// Eq. 8 for an axis in column `twice` / 2. Columns within `margin` of an end, where smoothing
 /// lacks neighbours, are left out.
 double mismatch(const Rows& a, const Rows& b, int twice, int margin, double leastVariance) {
     const int from = std::max(margin, twice - (a.width - 1 - margin)), to = twice - from;
@@ -230,6 +233,13 @@ void requireSinogram(const Projections& projections, const std::vector<double>& 
                               " columns: too few to find the centre of rotation; give the axis' column instead");
 }
 
+/// Where the parabola through the least value and its neighbours is lowest, from the least value on.
+double parabolaOffset(const std::vector<double>& misfits, std::vector<double>::const_iterator best) {
+    if (best == misfits.begin() || best + 1 == misfits.end()) return 0;
+    const double before = *(best - 1), after = *(best + 1), curvature = before - 2 * *best + after;
+    return curvature > 0 ? 0.5 * (before - after) / curvature : 0;
+}
+
 }  // namespace
 
 RotationCenter findRotationCenter(const Projections& projections, const std::vector<double>& angles) {
@@ -249,17 +259,12 @@ RotationCenter findRotationCenter(const Projections& projections, const std::vec
     std::vector<double> misfits(std::size_t(most - least + 1));
     parallelFor(misfits.size(),
                 [&](std::size_t n) { misfits[n] = mismatch(a, b, least + int(n), margin, leastVariance); });
-    const auto best = std::min_element(misfits.begin(), misfits.end());
+    const auto best = std::min_element(misfits.cbegin(), misfits.cend());
     if (!(*best <= kMostMismatch))
         throw InvalidArgument(
             "opposite views have nothing in common: the beam must be parallel, the axis along the detector's columns, "
             "and the angles those of the views; or give the axis' column");
-    double offset = 0;
-    if (best != misfits.begin() && best + 1 != misfits.end()) {
-        const double before = *(best - 1), after = *(best + 1), curvature = before - 2 * *best + after;
-        if (curvature > 0) offset = 0.5 * (before - after) / curvature;
-    }
-    return {0.5 * (least + double(best - misfits.begin()) + offset), *best};
+    return {0.5 * (least + double(best - misfits.cbegin()) + parabolaOffset(misfits, best)), *best};
 }
 
 }  // namespace raysweep

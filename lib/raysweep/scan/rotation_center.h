@@ -9,8 +9,8 @@ namespace raysweep {
 
 struct RotationCenter {
     double column = 0;  ///< onto which the axis falls; 0 is the middle of the first
-    /// How much opposite views differ when mirrored about it, relative to what they vary by: 0 not at all, 1 as much as
-    /// views that have nothing to do with each other.
+    /// Eq. 8 of rotation_center.cpp: how much opposite views differ when mirrored about it, relative to what they vary
+    /// by: 0 not at all, 1 as much as views that have nothing to do with each other.
     double mismatch = 0;
 };
 

@@ -1,9 +1,5 @@
 #include "raysweep/projector/project.h"
 
-#include "raysweep/core/simd_targets.h"  // before Highway
-
-#include <hwy/highway.h>
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +11,7 @@
 #include "raysweep/phantoms/solid_shapes.h"
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/project_grid.h"
+#include "support/instruction_sets.h"
 
 using namespace raysweep;
 
@@ -34,16 +31,16 @@ void randomize(ColumnVolume& volume, unsigned seed) {
     const Index3 dims = volume.lattice().dims;
     for (int x = 0; x < dims.x; ++x)
         for (int y = 0; y < dims.y; ++y) {
-            const std::size_t tile = volume.tileOf(x, y);
-            const ColumnRange range = volume.ranges()[tile];
+            const std::size_t block = volume.blockOf(x, y);
+            const ColumnRange range = volume.ranges()[block];
             for (int z = range.low; z < std::min(range.high, dims.z); ++z)
-                volume.column(tile, x, y)[z - range.low] = uniform(random);
+                volume.column(block, x, y)[z - range.low] = uniform(random);
         }
 }
 
-/// Every other tile empty, the others with columns of different ends.
+/// Every other block empty, the others with columns of different ends.
 ColumnVolume sparseVolume(const ColumnLattice& lattice) {
-    std::vector<ColumnRange> kept(ColumnVolume(lattice).tileCount());
+    std::vector<ColumnRange> kept(ColumnVolume(lattice).blockCount());
     for (std::size_t t = 0; t < kept.size(); ++t)
         if (t % 3 != 0) kept[t] = {t % 2 ? 16 : 0, t % 5 ? 48 : 32};
     return ColumnVolume(lattice, kept);
@@ -103,7 +100,7 @@ std::vector<Scan> scans() {
     return all;
 }
 
-double dot(const FanImage& a, const FanImage& b, int columns, int rows) {
+double dot(const RayImage& a, const RayImage& b, int columns, int rows) {
     double sum = 0;
     for (int u = 0; u < columns; ++u)
         for (int v = 0; v < rows; ++v) sum += double(a.column(u)[v]) * b.column(u)[v];
@@ -112,11 +109,11 @@ double dot(const FanImage& a, const FanImage& b, int columns, int rows) {
 
 double dot(const ColumnVolume& a, const ColumnVolume& b) {
     double sum = 0;
-    for (std::size_t i = 0; i < a.storedVoxels(); ++i) sum += double(a.tile(0)[i]) * b.tile(0)[i];
+    for (std::size_t i = 0; i < a.storedVoxels(); ++i) sum += double(a.block(0)[i]) * b.block(0)[i];
     return sum;
 }
 
-void randomize(FanImage& image, int columns, int rows, unsigned seed) {
+void randomize(RayImage& image, int columns, int rows, unsigned seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> uniform(0, 1);
     for (int u = 0; u < columns; ++u)
@@ -124,7 +121,7 @@ void randomize(FanImage& image, int columns, int rows, unsigned seed) {
 }
 
 /// Largest difference of two images, relative to the largest value of the first.
-double largestDifference(const FanImage& a, const FanImage& b, int columns, int rows) {
+double largestDifference(const RayImage& a, const RayImage& b, int columns, int rows) {
     double most = 0, largest = 0;
     for (int u = 0; u < columns; ++u)
         for (int v = 0; v < rows; ++v) {
@@ -148,9 +145,9 @@ void expectAdjoint(const std::vector<Scan>& scans) {
             for (int view = 0; view < int(scan.geometry.views.size()); ++view) {
                 const int width = scan.geometry.width, height = scan.geometry.height;
                 ViewRays forward, backward;
-                aim(forward, scan.geometry, view, lattice);
+                setView(forward, scan.geometry, view, lattice);
                 projectView(x, forward);
-                aim(backward, scan.geometry, view, lattice);
+                setView(backward, scan.geometry, view, lattice);
                 randomize(backward.values, width, height, unsigned(view));
                 const double projected = dot(forward.values, backward.values, width, height);
                 backprojectView(backward, back);
@@ -176,14 +173,7 @@ TEST(Projector, AllInstructionSetsAreAdjointForRowsOfAnyDistance) {
         orbit.pixelHeight = pitch;
         pitches.push_back({"pitch " + std::to_string(pitch), circularGeometry(orbit)});
     }
-    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-        SCOPED_TRACE(hwy::TargetName(target));
-        expectAdjoint(pitches);
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    test::forEachInstructionSet([&] { expectAdjoint(pitches); });
 }
 
 // The sums of weights are found another way than by projecting ones: by intervals, not by voxels.
@@ -193,13 +183,13 @@ TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
         ColumnVolume ones = sparseVolume(lattice);
         for (int x = 0; x < lattice.dims.x; ++x)
             for (int y = 0; y < lattice.dims.y; ++y) {
-                const std::size_t tile = ones.tileOf(x, y);
-                const ColumnRange range = ones.ranges()[tile];
-                std::fill_n(ones.column(tile, x, y), std::max(0, std::min(range.high, lattice.dims.z) - range.low),
+                const std::size_t block = ones.blockOf(x, y);
+                const ColumnRange range = ones.ranges()[block];
+                std::fill_n(ones.column(block, x, y), std::max(0, std::min(range.high, lattice.dims.z) - range.low),
                             1.0f);
             }
         ViewRays rays;
-        aim(rays, scan.geometry, 1, lattice);
+        setView(rays, scan.geometry, 1, lattice);
         projectView(ones, rays);
         // Positions of rows are rounded to 1e-5 of a voxel.
         EXPECT_LT(largestDifference(rays.values, rays.weights, scan.geometry.width, scan.geometry.height), 1e-5)
@@ -207,20 +197,25 @@ TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
     }
 }
 
-TEST(Projector, FansOfRaysAgreeWithRaysOneByOne) {
+// Rays one by one are the plain twin of the kernels: they take the weights of joseph.h, voxel by voxel.
+TEST(Projector, KernelsAgreeWithRaysOneByOneOnAllInstructionSets) {
     const ColumnLattice lattice = centredLattice(Index3(40, 45, 37), 0.7);
     ColumnVolume volume = sparseVolume(lattice);
     randomize(volume, 3);
     for (const Scan& scan : scans()) {
-        ViewRays fans, single;
-        aim(fans, scan.geometry, 2, lattice);
-        if (fans.footprint.kind == ViewFootprint::Kind::oblique) continue;
-        projectView(volume, fans);
-        aim(single, scan.geometry, 2, lattice);
-        single.footprint.kind = ViewFootprint::Kind::oblique;
+        const int width = scan.geometry.width, height = scan.geometry.height;
+        ViewRays single;
+        setView(single, scan.geometry, 2, lattice);
+        if (single.view.kind == JosephView::Kind::oblique) continue;
+        single.view.kind = JosephView::Kind::oblique;
         projectView(volume, single);
-        EXPECT_LT(largestDifference(single.values, fans.values, scan.geometry.width, scan.geometry.height), 1e-5)
-            << scan.name;
+        test::forEachInstructionSet([&] {
+            ViewRays rays;
+            setView(rays, scan.geometry, 2, lattice);
+            projectView(volume, rays);
+            EXPECT_LT(largestDifference(single.values, rays.values, width, height), 1e-5) << scan.name;
+            EXPECT_LT(largestDifference(single.weights, rays.weights, width, height), 1e-5) << scan.name;
+        });
     }
 }
 
@@ -237,7 +232,7 @@ TEST(Projector, NoVoxelThatADivergingBeamCoversIsMissed) {
     ColumnVolume back(lattice);
     for (int view = 0; view < orbit.views; ++view) {
         ViewRays rays;
-        aim(rays, geometry, view, lattice);
+        setView(rays, geometry, view, lattice);
         for (int u = 0; u < orbit.width; ++u) std::fill_n(rays.values.column(u), orbit.height, 1.0f);
         backprojectView(rays, back);
         for (int x = 0; x < 32; ++x)
@@ -254,13 +249,13 @@ TEST(Projector, AnyNumberOfThreadsGivesTheSameBits) {
         const auto run = [&](int threads, ColumnVolume& back) {
             const ThreadLimit limit(threads);
             ViewRays rays;
-            aim(rays, scan.geometry, 3, lattice);
+            setView(rays, scan.geometry, 3, lattice);
             projectView(volume, rays);
             backprojectView(rays, back);
         };
         run(1, one);
         run(4, many);
-        EXPECT_TRUE(std::equal(one.tile(0), one.tile(0) + one.storedVoxels(), many.tile(0))) << scan.name;
+        EXPECT_TRUE(std::equal(one.block(0), one.block(0) + one.storedVoxels(), many.block(0))) << scan.name;
     }
 }
 

@@ -125,7 +125,7 @@ TEST(ScanAngles, ParkersWeightsOfARayAndItsReverseSumTo1) {
     EXPECT_EQ(parkerWeight(1, 0.2, -0.1), 1) << "too short a scan measures nothing twice";
 }
 
-TEST(ViewMatrix, PixelsLieInTheirOwnShadow) {
+TEST(ViewMatrix, PointsOfAPixelsRayFallOnIt) {
     for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
         ProjectionGeometry geometry = circularGeometry(someOrbit(beam));
         for (XrayView& view : geometry.views) {  // tilted both ways

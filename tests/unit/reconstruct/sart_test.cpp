@@ -170,7 +170,7 @@ TEST(Sart, TheHullHoldsTheObjectAndSavesTheRest) {
             value.getBoundingBox(box);
             for (const openvdb::Coord& corner : {box.min(), box.max()}) {
                 const openvdb::Coord c = corner + openvdb::Coord(12, 12, 16);
-                const ColumnRange range = kept.ranges()[kept.tileOf(c.x(), c.y())];
+                const ColumnRange range = kept.ranges()[kept.blockOf(c.x(), c.y())];
                 EXPECT_TRUE(c.z() >= range.low && c.z() < range.high) << c;
             }
         }
@@ -217,9 +217,6 @@ TEST(Sart, TotalVariationTakesNoiseAway) {
     options.iterations = 4;
     options.relaxation = 0.3;
     const double rough = reconstruct(scan, options).history.back().rms;
-    for (double q : {.2, .4, .6, .8, .95}) {
-        options.totalVariation = q;
-    }
     options.totalVariation = 0.5;
     EXPECT_LT(reconstruct(scan, options).history.back().rms, 0.85 * rough);
 }

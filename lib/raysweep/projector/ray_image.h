@@ -7,14 +7,14 @@
 
 namespace raysweep {
 
-class FanImage {
+class RayImage {
   public:
     /// Zeros before and behind each column, so that kernels may read and write whole vectors across its ends. What they
     /// write there must be 0.
     static constexpr int kMargin = 64;
 
-    FanImage() = default;
-    FanImage(int columns, int length) { resize(columns, length); }
+    RayImage() = default;
+    RayImage(int columns, int length) { resize(columns, length); }
 
     /// All numbers 0 if the size changes; else they stay.
     void resize(int columns, int length) {

@@ -1,4 +1,4 @@
-/// Which pixels a box of voxels falls on.
+/// Footprints: which pixels a box of voxels falls on.
 #pragma once
 
 #include "raysweep/projector/joseph.h"
@@ -10,17 +10,17 @@ struct VoxelBox {
     Index3 low, high;
 };
 
-/// Pixels [low, high), rows as ViewFootprint counts them.
+/// Pixels [low, high), rows as JosephView counts them.
 struct PixelBox {
     int lowColumn, highColumn, lowRow, highRow;
 };
 
 /// All pixels whose rays give anything to a voxel of the box, and maybe some more.
-PixelBox shadowOf(const VoxelBox& box, const ViewFootprint& footprint);
+PixelBox footprintOf(const VoxelBox& box, const JosephView& view);
 
-/// True if the box, from its voxels' outer faces, casts all of its shadow between the outer edges of the detector's
+/// True if the box, from its voxels' outer faces, has all of its footprint between the outer edges of the detector's
 /// pixels. False also if that is not known.
-bool isOnDetector(const VoxelBox& box, const ViewFootprint& footprint);
+bool isOnDetector(const VoxelBox& box, const JosephView& view);
 
 /// In how many views the volume falls on a pixel. @throw InvalidArgument if in none.
 int requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice);

@@ -1,4 +1,4 @@
-#include "raysweep/projector/shadow.h"
+#include "raysweep/projector/footprint.h"
 
 #include "raysweep/core/error.h"
 
@@ -9,32 +9,33 @@
 namespace raysweep {
 namespace {
 
-/// Columns and rows of the detector's plane that the shadow of a box reaches.
+/// Columns and rows of the detector's plane that the footprint of a box reaches.
 struct Reach {
     double low[2] = {1e30, 1e30}, high[2] = {-1e30, -1e30};
     int behind = 0;  ///< corners that are not before the source
 };
 
 /// @param margin around the centres of the outermost voxels, voxels
-Reach reachOf(const VoxelBox& box, double margin, const ViewFootprint& f) {
-    const Vec3 normal = f.view.column.cross(f.view.row);
+Reach reachOf(const VoxelBox& box, double margin, const JosephView& view) {
+    const Vec3 normal = view.xray.column.cross(view.xray.row);
     const double area = normal.dot(normal);
-    const bool cone = f.beam == BeamShape::cone;
+    const bool cone = view.beam == BeamShape::cone;
     Reach reach;
     for (int corner = 0; corner < 8; ++corner) {
         Vec3 point;
         for (int axis = 0; axis < 3; ++axis)
             point[axis] = (corner >> axis) & 1 ? box.high[axis] - 1 + margin : box.low[axis] - margin;
-        const Vec3 from = cone ? f.view.source : point, along = cone ? point - f.view.source : f.view.direction;
-        const double t = normal.dot(f.view.origin - from) / normal.dot(along);
+        const Vec3 from = cone ? view.xray.source : point,
+                   along = cone ? point - view.xray.source : view.xray.direction;
+        const double t = normal.dot(view.xray.origin - from) / normal.dot(along);
         if (cone && !(t > 0 && t < 1e9)) {
             ++reach.behind;
             continue;
         }
         // Where the ray through the corner meets the detector, in columns and rows (Cramer's rule).
-        const Vec3 place = from + along * t - f.view.origin;
-        const double at[2] = {place.cross(f.view.row).dot(normal) / area,
-                              f.view.column.cross(place).dot(normal) / area};
+        const Vec3 place = from + along * t - view.xray.origin;
+        const double at[2] = {place.cross(view.xray.row).dot(normal) / area,
+                              view.xray.column.cross(place).dot(normal) / area};
         for (int i = 0; i < 2; ++i) {
             reach.low[i] = std::min(reach.low[i], at[i]);
             reach.high[i] = std::max(reach.high[i], at[i]);
@@ -45,27 +46,27 @@ Reach reachOf(const VoxelBox& box, double margin, const ViewFootprint& f) {
 
 }  // namespace
 
-PixelBox shadowOf(const VoxelBox& box, const ViewFootprint& f) {
-    const auto [low, high, behind] = reachOf(box, 1, f);  // a ray gives to voxels less than one away from it
+PixelBox footprintOf(const VoxelBox& box, const JosephView& view) {
+    const auto [low, high, behind] = reachOf(box, 1, view);  // a ray gives to voxels less than one away from it
     if (behind == 8) return {0, 0, 0, 0};
-    if (behind > 0) return {0, f.width, 0, f.height};
+    if (behind > 0) return {0, view.width, 0, view.height};
     const auto limited = [](double value, int count) { return int(std::clamp(value, 0.0, double(count))); };
-    return {limited(std::floor(low[0]), f.width), limited(std::ceil(high[0]) + 1, f.width),
-            limited(std::floor(low[1]), f.height), limited(std::ceil(high[1]) + 1, f.height)};
+    return {limited(std::floor(low[0]), view.width), limited(std::ceil(high[0]) + 1, view.width),
+            limited(std::floor(low[1]), view.height), limited(std::ceil(high[1]) + 1, view.height)};
 }
 
-bool isOnDetector(const VoxelBox& box, const ViewFootprint& f) {
+bool isOnDetector(const VoxelBox& box, const JosephView& view) {
     constexpr double kRounding = 1e-6;  // pixels
-    const auto [low, high, behind] = reachOf(box, 0.5, f);
+    const auto [low, high, behind] = reachOf(box, 0.5, view);
     const double edge = -0.5 - kRounding;
-    return behind == 0 && low[0] >= edge && low[1] >= edge && high[0] <= f.width - 1 - edge &&
-           high[1] <= f.height - 1 - edge;
+    return behind == 0 && low[0] >= edge && low[1] >= edge && high[0] <= view.width - 1 - edge &&
+           high[1] <= view.height - 1 - edge;
 }
 
 int requireSeen(const ProjectionGeometry& geometry, const ColumnLattice& lattice) {
     int seen = 0;
-    for (int view = 0; view < int(geometry.views.size()); ++view) {
-        const PixelBox pixels = shadowOf({Index3(0), lattice.dims}, footprintOf(geometry, view, lattice));
+    for (int n = 0; n < int(geometry.views.size()); ++n) {
+        const PixelBox pixels = footprintOf({Index3(0), lattice.dims}, josephView(geometry, n, lattice));
         seen += pixels.lowColumn < pixels.highColumn && pixels.lowRow < pixels.highRow;
     }
     if (seen > 0) return seen;
