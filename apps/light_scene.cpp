@@ -17,7 +17,7 @@ auto chosenBy(const std::string& option, const Select& select) {
     try {
         return select();
     } catch (const InvalidArgument& e) {
-        throw InvalidArgument(option + ": " + e.what());
+        throw about(option, e);
     }
 }
 

@@ -1,6 +1,5 @@
 #include "cli.h"
-
-#include "raysweep/core/error.h"
+#include "hints.h"
 
 #include <openvdb/Exceptions.h>
 
@@ -9,6 +8,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
 
 namespace {
 
@@ -17,14 +17,19 @@ using namespace raysweep::apps;
 constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addImport,  addGenerate, addInfo,
                                                      addCompare, addExport, addProject, addCt};
 
-int fail(const char* what) {
-    std::fprintf(stderr, "raysweep: %s\n", what);
+int fail(const std::string& what) {
+    std::fprintf(stderr, "raysweep: %s\n", what.c_str());
     return kFailed;
 }
 
+std::string calledCommand(const CLI::App& app) {
+    const auto called = app.get_subcommands();
+    return called.empty() ? "" : called.front()->get_name();
+}
+
 std::string describeUsageError(const CLI::App* app, const CLI::Error& error) {
-    const auto called = app->get_subcommands();
-    const std::string command = app->get_name() + (called.empty() ? "" : " " + called.front()->get_name());
+    const std::string called = calledCommand(*app);
+    const std::string command = app->get_name() + (called.empty() ? "" : " " + called);
     // A misspelt word often leaves something else missing; the word is what the user wants to hear about.
     const auto unknown = app->remaining(/*recurse=*/true);
     const std::string what = unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'";
@@ -51,6 +56,8 @@ int main(int argc, char** argv) {
         return app.exit(e) == 0 ? kDone : kUsage;
     } catch (const std::bad_alloc&) {
         return fail("out of memory; try a smaller volume or a lower resolution");
+    } catch (const raysweep::Error& e) {
+        return fail(withHint(e, calledCommand(app)));
     } catch (const std::exception& e) {
         return fail(e.what());
     }

@@ -1,13 +1,36 @@
 /// The two ways a call can fail. A message says what was wrong, where, and what to do.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
 namespace raysweep {
 
+/// What the library can do about an error if it is asked to. A program knows by which of its options, and adds that to
+/// the message; the library's messages name none.
+enum class Remedy {
+    none,
+    chooseSeries,        ///< say which DICOM series is meant
+    describeSamples,     ///< say how many samples of which type a file without a header holds
+    fillLevelSet,        ///< take the inside of a level set
+    isNoLevelSet,        ///< do not ask for the inside of what is no level set
+    isVolumeAlready,     ///< the file needs no import
+    leaveOutRays,        ///< count rays that are NaN or infinite as not measured
+    mapValues,           ///< map the values, for instance to [0,1], when they are imported
+    repairVoxels,        ///< set such voxels to 0
+    setSpacing,          ///< replace the file's spacing
+    spaceSlicesEvenly,   ///< give the spacing, and take slices as equally spaced
+    spaceSlicesByNumber  ///< give the spacing, and take slices in the order of their numbers
+};
+
 struct Error : std::runtime_error {
-    using std::runtime_error::runtime_error;
+    /// what() is `message` and `rest`; what a program adds about the remedy belongs between them.
+    explicit Error(const std::string& message, Remedy remedy = Remedy::none, const std::string& rest = "")
+        : std::runtime_error(message + rest), remedy(remedy), remedyAt(message.size()) {}
+
+    Remedy remedy;
+    std::size_t remedyAt;  ///< in what()
 };
 
 /// An argument, option or voxel value that cannot be worked with.
@@ -19,5 +42,12 @@ struct InvalidArgument : Error {
 struct IoError : Error {
     using Error::Error;
 };
+
+/// `error` said of a `subject`: "SUBJECT: message".
+template <class AnyError>
+AnyError about(const std::string& subject, const AnyError& error) {
+    const std::string text = error.what();
+    return AnyError(subject + ": " + text.substr(0, error.remedyAt), error.remedy, text.substr(error.remedyAt));
+}
 
 }  // namespace raysweep
