@@ -22,14 +22,9 @@ int fail(const std::string& what) {
     return kFailed;
 }
 
-std::string calledCommand(const CLI::App& app) {
-    const auto called = app.get_subcommands();
-    return called.empty() ? "" : called.front()->get_name();
-}
-
 std::string describeUsageError(const CLI::App* app, const CLI::Error& error) {
-    const std::string called = calledCommand(*app);
-    const std::string command = app->get_name() + (called.empty() ? "" : " " + called);
+    const auto called = app->get_subcommands();
+    const std::string command = app->get_name() + (called.empty() ? "" : " " + called.front()->get_name());
     // A misspelt word often leaves something else missing; the word is what the user wants to hear about.
     const auto unknown = app->remaining(/*recurse=*/true);
     const std::string what = unknown.empty() ? error.what() : "unknown argument '" + unknown.front() + "'";
@@ -57,7 +52,8 @@ int main(int argc, char** argv) {
     } catch (const std::bad_alloc&) {
         return fail("out of memory; try a smaller volume or a lower resolution");
     } catch (const raysweep::Error& e) {
-        return fail(withHint(e, calledCommand(app)));
+        const auto called = app.get_subcommands();
+        return fail(inWordsOf(called.empty() ? app : *called.front(), e));
     } catch (const std::exception& e) {
         return fail(e.what());
     }

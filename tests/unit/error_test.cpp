@@ -9,6 +9,7 @@ TEST(Error, SaidOfASubjectKeepsItsRemedyAndThePlaceOfIt) {
     const InvalidArgument longer = about("head", error);
     EXPECT_STREQ(longer.what(), "head: there are two: a, b");
     EXPECT_EQ(longer.remedy, Remedy::chooseSeries);
+    EXPECT_EQ(longer.subject, "head");
     EXPECT_EQ(std::string(longer.what()).substr(longer.remedyAt), ": a, b");
 }
 

@@ -11,17 +11,21 @@ namespace raysweep {
 /// the message; the library's messages name none.
 enum class Remedy {
     none,
-    chooseSeries,        ///< say which DICOM series is meant
-    describeSamples,     ///< say how many samples of which type a file without a header holds
-    fillLevelSet,        ///< take the inside of a level set
-    isNoLevelSet,        ///< do not ask for the inside of what is no level set
-    isVolumeAlready,     ///< the file needs no import
-    leaveOutRays,        ///< count rays that are NaN or infinite as not measured
-    mapValues,           ///< map the values, for instance to [0,1], when they are imported
-    repairVoxels,        ///< set such voxels to 0
-    setSpacing,          ///< replace the file's spacing
-    spaceSlicesEvenly,   ///< give the spacing, and take slices as equally spaced
-    spaceSlicesByNumber  ///< give the spacing, and take slices in the order of their numbers
+    chooseSeries,         ///< say which DICOM series is meant
+    describeSamples,      ///< say how many samples of which type a file without a header holds
+    fillLevelSet,         ///< take the inside of a level set
+    giveExtinction,       ///< say what the extinction is
+    isNoLevelSet,         ///< do not ask for the inside of what is no level set
+    isVolumeAlready,      ///< the file needs no import
+    keepVoxels,           ///< light it without interpolating radiosity to other voxels
+    leaveOutRays,         ///< count rays that are NaN or infinite as not measured
+    lightFirst,           ///< light the volume
+    mapValues,            ///< map the values, for instance to [0,1], when they are imported
+    repairVoxels,         ///< set such voxels to 0
+    setSpacing,           ///< replace the file's spacing
+    spaceSlicesEvenly,    ///< give the spacing, and take slices as equally spaced
+    spaceSlicesByNumber,  ///< give the spacing, and take slices in the order of their numbers
+    useOriginal           ///< use the file that this one was made from
 };
 
 struct Error : std::runtime_error {
@@ -31,6 +35,7 @@ struct Error : std::runtime_error {
 
     Remedy remedy;
     std::size_t remedyAt;  ///< in what()
+    std::string subject;   ///< the file or field of options that it is about; empty: not known
 };
 
 /// An argument, option or voxel value that cannot be worked with.
@@ -43,11 +48,13 @@ struct IoError : Error {
     using Error::Error;
 };
 
-/// `error` said of a `subject`: "SUBJECT: message".
+/// `error` said of a `subject`, a file or a field of options: "SUBJECT: message".
 template <class AnyError>
 AnyError about(const std::string& subject, const AnyError& error) {
     const std::string text = error.what();
-    return AnyError(subject + ": " + text.substr(0, error.remedyAt), error.remedy, text.substr(error.remedyAt));
+    AnyError more(subject + ": " + text.substr(0, error.remedyAt), error.remedy, text.substr(error.remedyAt));
+    more.subject = subject;
+    return more;
 }
 
 }  // namespace raysweep
