@@ -32,13 +32,6 @@ void requireBetween(const char* field, double value, double low, double high, bo
     throw InvalidArgument(message.str());
 }
 
-void requireLight(const char* what, const Color& c) {
-    for (int i = 0; i < 3; ++i)
-        if (!std::isfinite(c[i]) || c[i] < 0)
-            throw InvalidArgument(std::string(what) + " is " + std::to_string(c[i]) +
-                                  "; it must be finite and not negative");
-}
-
 std::string exchangeReason(Exchange exchange, bool solid) {
     switch (exchange) {
         case Exchange::automatic:
@@ -56,35 +49,7 @@ std::string exchangeReason(Exchange exchange, bool solid) {
     return "";
 }
 
-bool isFinite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 }  // namespace
-
-void Scene::validate() const {
-    if (!medium.density) throw InvalidArgument("the scene has no density grid");
-    requireBetween("extinction", medium.extinctionScale, 0, 1e30);
-    requireBetween("emission scale", medium.emissionScale, 0, 1e30);
-    for (int c = 0; c < 3; ++c) requireBetween("albedo", double(medium.albedo[c]), 0, 1);
-    for (const Sun& sun : suns) {
-        if (!isFinite(sun.direction) || sun.direction.length() == 0)
-            throw InvalidArgument("a sun's direction has no length; give the direction in which its light travels");
-        requireLight("a sun's irradiance", sun.irradiance);
-    }
-    for (const PointLight& point : points) {
-        if (!isFinite(point.position)) throw InvalidArgument("a point light's position is not finite");
-        requireLight("a point light's power", point.power);
-    }
-    for (const QuadLight& quad : quads) {
-        if (!isFinite(quad.corner) || !isFinite(quad.u) || !isFinite(quad.v))
-            throw InvalidArgument("a quad light's corner or edges are not finite");
-        if (!(quad.u.cross(quad.v).length() > 1e-9 * quad.u.length() * quad.v.length()))
-            throw InvalidArgument("a quad light has no area: its edges are parallel, or one has no length");
-        requireLight("a quad light's radiance", quad.radiance);
-    }
-    requireLight("the sky's radiance", sky.radiance);
-}
 
 void IlluminateOptions::validate() const {
     if (zeta) requireBetween("zeta", *zeta, 0, 1, true);
