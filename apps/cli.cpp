@@ -180,31 +180,6 @@ std::string numberedName(const std::string& path, int number) {
     return (whole.parent_path() / (whole.stem().string() + digits + whole.extension().string())).string();
 }
 
-openvdb::FloatGrid::Ptr writtenExtinction(const VdbFile& file) {
-    for (const auto& grid : file.grids)
-        // Other subcommands leave their version, too; which density was lit only `light` says.
-        if (grid->getName() == "extinction" && grid->isType<openvdb::FloatGrid>() && (*grid)["raysweep_version"] &&
-            (*grid)["raysweep_density"])
-            return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
-    return nullptr;
-}
-
-VdbFile withoutLight(const VdbFile& file) {
-    VdbFile rest{file.path, {}, file.metadata};
-    const openvdb::GridBase::Ptr extinction = writtenExtinction(file);
-    for (const auto& grid : file.grids)
-        if (grid->getName() != "radiosity" && grid->getName() != "unshot" && grid != extinction)
-            rest.grids.push_back(grid);
-    return rest;
-}
-
-void requireOriginal(const VdbFile& file) {
-    if (file.metadata[kExportKey])
-        throw InvalidArgument("'" + file.path +
-                              "' was written by raysweep export: its grids are moved by half a voxel, for Blender; use "
-                              "the file it was made from");
-}
-
 ThreadLimit start(const CommonOptions& options) {
     if (!options.reportFile.empty()) requireWritable(options.reportFile);
     return ThreadLimit(options.threads);

@@ -6,7 +6,6 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/progress.h"
 #include "raysweep/core/types.h"
-#include "raysweep/volume/vdb_io.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -55,19 +54,6 @@ std::string numberedName(const std::string& path, int number);
 
 /// How --help is laid out.
 std::shared_ptr<CLI::FormatterBase> helpFormatter();
-
-/// The extinction that `raysweep light` wrote where it is no multiple of the density; null if `file` has none. A grid
-/// of that name that was the user's own is not meant.
-openvdb::FloatGrid::Ptr writtenExtinction(const VdbFile& file);
-
-/// The grids of `file` without those that `raysweep light` adds: radiosity, unshot, and extinction if it wrote one.
-VdbFile withoutLight(const VdbFile& file);
-
-/// Present in the metadata of files that `raysweep export` wrote: their grids are not where they belong.
-constexpr const char* kExportKey = "raysweep_export";
-
-/// @throw InvalidArgument if `file` was written by `raysweep export`.
-void requireOriginal(const VdbFile& file);
 
 /// Every subcommand starts with this: limits the threads for as long as the result lives, and checks that the report
 /// can be written, so that long work does not end in an error that was certain at its start. @throw IoError

@@ -1,12 +1,12 @@
 /// raysweep light: lights a volume.
-#include "light_scene.h"
+#include "light_options.h"
 #include "plot.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/scene/lit_file.h"
 #include "raysweep/volume/resample.h"
-#include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
 
@@ -20,62 +20,18 @@ namespace {
 
 constexpr double kManySweeps = 2000;  ///< several times what most scenes need
 
-/// Half floats end at 65504. @return number of voxels clamped
-std::size_t clampGrid(openvdb::GridBase& grid) {
-    if (grid.isType<openvdb::FloatGrid>()) return clampForHalf(static_cast<openvdb::FloatGrid&>(grid));
-    return clampForHalf(static_cast<openvdb::Vec3SGrid&>(grid));
-}
-
 std::string exchangeName(const LightArguments& a, const Scene& scene) {
     if (a.options.exchange == Exchange::paper) return "paper";
     return planIllumination(scene, a.options).surfaces ? "surface" : "medium";
 }
 
-void setMetadata(openvdb::GridBase& grid, const LightArguments& a, const LightScene& lit) {
-    const auto text = [&](const char* key, const std::string& value) {
-        grid.insertMeta(key, openvdb::StringMetadata(value));
-    };
-    text("raysweep_version", RAYSWEEP_VERSION);
-    text("raysweep_options", a.commandLine);
-    text("raysweep_density", lit.density);
-    if (!a.transfer.ramp.empty()) text("raysweep_ramp", a.transfer.ramp);
-    if (!a.transfer.table.empty()) text("raysweep_transfer", toJson(*lit.transfer));
-    text("raysweep_exchange", exchangeName(a, lit.scene));
-    grid.insertMeta("raysweep_resolution", openvdb::DoubleMetadata(a.resolution));
-    // The grid `extinction` that goes with it is the whole of it.
-    const double extinction = lit.ownExtinction ? 1 : lit.scene.medium.extinctionScale;
-    grid.insertMeta("raysweep_extinction", openvdb::DoubleMetadata(extinction));
-}
-
-/// The extinction that was lit as a grid to be written; null where it is a multiple of a grid of the input.
-openvdb::GridBase::Ptr extinctionGrid(const LightArguments& a, const LightScene& lit) {
-    if (!lit.ownExtinction) return nullptr;
-    const openvdb::FloatGrid::Ptr grid = lit.scene.medium.density->deepCopy();
-    voxelizeTiles(*grid);
-    const auto scale = float(lit.scene.medium.extinctionScale);
-    if (scale != 1)
-        for (auto on = grid->beginValueOn(); on; ++on) on.setValue(*on * scale);
-    grid->setName("extinction");
-    setMetadata(*grid, a, lit);
-    return grid;
-}
-
 /// All grids of the input and what is written now.
-void writeLit(const std::string& path, const LightArguments& a, const LightScene& scene, const VdbFile& input,
-              const std::vector<openvdb::GridBase::Ptr>& lit) {
-    openvdb::GridCPtrVec grids;
-    for (const auto& grid : input.grids) grids.push_back(grid);
-    if (const auto extinction = extinctionGrid(a, scene)) grids.push_back(extinction);
-    for (const auto& grid : lit) {
-        setMetadata(*grid, a, scene);
-        grid->setSaveFloatAsHalf(a.half);
-        const std::size_t clamped = a.half ? clampGrid(*grid) : 0;
-        if (clamped > 0)
-            warning(a.common, std::to_string(clamped) + " voxels of '" + grid->getName() +
-                                  "' are too bright for half floats and were set to 65504");
-        grids.push_back(grid);
-    }
-    writeVdb(path, grids, input.metadata);
+void write(const std::string& path, const LightArguments& a, const SceneFromFile& scene, const VdbFile& input,
+           const openvdb::GridPtrVec& lit) {
+    const LitRecord record{a.commandLine, exchangeName(a, scene.scene), a.resolution, a.half};
+    for (const Clamped& clamped : writeLit(path, input, scene, record, lit))
+        warning(a.common, std::to_string(clamped.voxels) + " voxels of '" + clamped.grid +
+                              "' are too bright for half floats and were set to 65504");
 }
 
 double mean(const double (&values)[kMaxChannels], int channels) {
@@ -99,13 +55,13 @@ const char* nameOf(Termination termination) {
 }
 
 /// What was modelled and why: what the options came to, and the solver's plan.
-std::vector<std::string> reasonsOf(const LightScene& scene, const Plan& plan) {
-    std::vector<std::string> reasons = scene.reasons;
+std::vector<std::string> reasonsOf(const SceneFromFile& scene, const Plan& plan) {
+    std::vector<std::string> reasons = scene.origin.reasons;
     reasons.insert(reasons.end(), plan.reasons.begin(), plan.reasons.end());
     return reasons;
 }
 
-nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene, const Illumination& lit,
+nlohmann::ordered_json describe(const LightArguments& a, const SceneFromFile& scene, const Illumination& lit,
                                 double readSeconds, double writeSeconds) {
     const int channels = lit.plan.channels, sweeps = lit.sweeps + lit.finishingSweeps;
     const double sweeping = lit.seconds.sweeps + (lit.finishingSweeps > 0 ? lit.seconds.finish : 0);
@@ -132,9 +88,9 @@ nlohmann::ordered_json describe(const LightArguments& a, const LightScene& scene
         {"voxels_surface", lit.surfaceVoxels},
         {"resolution", a.resolution},
         {"options", a.commandLine}};
-    if (scene.skySuns) {
-        json["sky_suns"] = scene.skySuns->count;
-        json["sky_suns_share"] = scene.skySuns->share;
+    if (const auto& skySuns = scene.origin.skySuns) {
+        json["sky_suns"] = skySuns->count;
+        json["sky_suns_share"] = skySuns->share;
     }
     json["timings"] = {{"read", readSeconds},    {"prepare", spent.prepare}, {"direct", spent.direct},
                        {"coarse", spent.coarse}, {"sweeps", spent.sweeps},   {"finish", spent.finish},
@@ -159,7 +115,7 @@ Plan withResolution(Plan plan, const LightArguments& a, const Scene& scene, cons
     return plan;
 }
 
-void comment(const LightArguments& a, const Illumination& lit) {
+void comment(const LightArguments& a, const SceneOrigin& origin, const Illumination& lit) {
     if (lit.sweepsToReach > kManySweeps)
         warning(a.common, "the emitting voxels are so few that it takes about " + brief(lit.sweepsToReach) +
                               " sweeps until their light has been everywhere; --point would converge sooner");
@@ -167,7 +123,7 @@ void comment(const LightArguments& a, const Illumination& lit) {
         warning(a.common, brief(100 * lit.thickShare) +
                               " % of the voxels have an optical depth above 2, where the grid is too coarse to be "
                               "accurate; " +
-                              (a.transfer.given() ? "" : "a lower --extinction or ") +
+                              (origin.classification ? "" : "a lower --extinction or ") +
                               (a.resolution < 1 ? "a higher --resolution helps" : "finer voxels help"));
     if (lit.invisibleEmitters > 0)
         warning(a.common, std::to_string(lit.invisibleEmitters) +
@@ -185,9 +141,16 @@ void comment(const LightArguments& a, const Illumination& lit) {
                          " to finish, power balance error " + brief(lit.power.error()));
 }
 
-void warnOfSecondExtinction(const LightArguments& a, const LightScene& scene, const VdbFile& input) {
+void commentOnInput(const LightArguments& a, const SceneOrigin& origin, const VdbFile& input) {
+    for (const Repair& repair : origin.repairs) {
+        const bool one = repair.voxels == 1;
+        warning(a.common, std::to_string(repair.voxels) + (one ? " voxel" : " voxels") + " of '" + repair.grid +
+                              (one ? "' was " : "' were ") +
+                              (repair.negativeToo ? "NaN, infinite or negative" : "NaN or infinite") +
+                              (one ? " and counts as 0" : " and count as 0"));
+    }
     const auto own = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "extinction"; };
-    if (scene.ownExtinction && std::any_of(input.grids.begin(), input.grids.end(), own))
+    if (origin.ownExtinction && std::any_of(input.grids.begin(), input.grids.end(), own))
         warning(a.common,
                 "'" + input.path + "' has a grid 'extinction' of its own; the output will have two of that name");
 }
@@ -197,7 +160,7 @@ void warnOfSecondExtinction(const LightArguments& a, const LightScene& scene, co
 std::string optionsText(CLI::App& command, const LightArguments& a) {
     command.get_option("--tolerance")->default_str(brief(a.options.tolerance));
     // What a transfer function takes the place of is no default then.
-    if (a.transfer.given()) command.get_option("--extinction")->default_str("");
+    if (a.transfer.given() || a.scene.medium.isClassified()) command.get_option("--extinction")->default_str("");
     if (!a.transfer.table.empty()) command.get_option("--albedo")->default_str("");
     std::istringstream all(command.config_to_str(/*default_also=*/true));
     std::string text;
@@ -246,9 +209,9 @@ int run(LightArguments& a) {
 
     Timer timer;
     const VdbFile file = withoutLight(readVdb(a.input));
-    requireOriginal(file);
-    const LightScene scene = buildScene(a, file);
-    warnOfSecondExtinction(a, scene, file);
+    a.scene.medium.classification = readTransfer(a.transfer);
+    const SceneFromFile scene = sceneFrom(file, a.scene);
+    commentOnInput(a, scene.origin, file);
     const double readSeconds = timer.seconds();
     if (a.explain) {
         scene.scene.validate();
@@ -260,17 +223,17 @@ int run(LightArguments& a) {
     if (a.snapshots > 0) {
         a.options.snapshotEvery = a.snapshots;
         a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
-            writeLit(numberedName(a.output, sweep), a, scene, file, {asWritten(a, scene.scene, radiosity)});
+            write(numberedName(a.output, sweep), a, scene, file, {asWritten(a, scene.scene, radiosity)});
         };
     }
 
     const Illumination lit = solve(a, scene.scene);
     timer = Timer();
-    std::vector<openvdb::GridBase::Ptr> grids{asWritten(a, scene.scene, lit.radiosity)};
+    openvdb::GridPtrVec grids{asWritten(a, scene.scene, lit.radiosity)};
     if (lit.unshot) grids.push_back(lit.unshot);
-    writeLit(a.output, a, scene, file, grids);
+    write(a.output, a, scene, file, grids);
     const double writeSeconds = timer.seconds();
-    comment(a, lit);
+    comment(a, scene.origin, lit);
     writeReport(a.common, describe(a, scene, lit, readSeconds, writeSeconds));
     if (!a.plot.empty()) plotHistory(a, lit.history);
     return lit.termination == Termination::interrupted ? kInterrupted : kDone;
@@ -283,9 +246,6 @@ void addLight(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LightArguments>();
     addLightOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
-        // Without a thickness of its own the inside of a level set is a solid.
-        if (arguments->fromLevelSet && command->count("--extinction") == 0 && !arguments->transfer.given())
-            arguments->transfer.ramp = "0,1";
         completeOptions(*arguments);
         arguments->commandLine = optionsText(*command, *arguments);
         exitCode = run(*arguments);

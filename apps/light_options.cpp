@@ -35,19 +35,20 @@ void addChoice(CLI::App& app, const std::string& name, Value& value, const std::
 }
 
 void addMediumOptions(CLI::App& app, LightArguments& a) {
+    MediumOptions& medium = a.scene.medium;
     app.option_defaults()->group("Volume");
     app.add_option(
-           "--density", a.density,
+           "--density", medium.density,
            "Grid that is lit; 'NAME[1]' is the second of that name (default: density, else the only float grid)")
         ->type_name("NAME");
-    auto* const extinction = app.add_option("--extinction", a.extinction,
+    auto* const extinction = app.add_option("--extinction", medium.extinction,
                                             "Extinction per unit density, 1/world unit: how thick the volume is")
-                                 ->capture_default_str();
+                                 ->default_str("1");
     addTransferOptions(app, a.transfer, extinction);
-    app.add_flag("--from-level-set", a.fromLevelSet,
+    app.add_flag("--from-level-set", medium.levelSet,
                  "The density grid is a level set: light its inside, a solid of opacity 0.99 per voxel; with "
                  "--extinction a fog");
-    app.add_flag("--repair", a.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
+    app.add_flag("--repair", medium.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
     app.add_option(
            "--albedo", a.albedo,
            "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid; "
@@ -55,13 +56,13 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
         ->default_str(kDefaultAlbedo)
         ->type_name("A|grid:NAME");
     app.add_option(
-           "--g", a.g,
+           "--g", medium.g,
            "Mean cosine of scattering (Henyey-Greenstein), in (-1,1): above 0 forwards, as in clouds; needs a grey "
            "albedo")
         ->capture_default_str();
     app.add_option("--emission", a.emission, "Grid of emitted power density, W/unit^3, float or vec3s")
         ->type_name("grid:NAME");
-    app.add_option("--emission-scale", a.emissionScale, "Factor on --emission")->capture_default_str();
+    app.add_option("--emission-scale", medium.emissionScale, "Factor on --emission")->capture_default_str();
 }
 
 void addLightSourceOptions(CLI::App& app, LightArguments& a) {
@@ -263,22 +264,23 @@ void completeOptions(LightArguments& a) {
         usageError("options", e.what());
     }
     if (!(a.resolution > 0 && a.resolution <= 1)) usageError("--resolution", "must be above 0 and at most 1");
-    requireFactor(a.extinction, "--extinction");
-    requireFactor(a.emissionScale, "--emission-scale");
+    MediumOptions& medium = a.scene.medium;
+    if (medium.extinction) requireFactor(*medium.extinction, "--extinction");
+    requireFactor(medium.emissionScale, "--emission-scale");
     if (a.upsample && a.resolution == 1) usageError("--upsample", "is for --resolution below 1 only");
-    checkSky(a.sky);
+    a.scene.sky = parseSky(a.sky);
     parseRamp(a.transfer);
     if (namesGrid(a.albedo))
-        a.albedoGrid = gridName(a.albedo, "--albedo");
-    else
-        a.uniformAlbedo = parseAlbedo(a.albedo.empty() ? kDefaultAlbedo : a.albedo);
-    if (!isGrey(a.uniformAlbedo) && a.g != 0)
+        medium.albedoGrid = gridName(a.albedo, "--albedo");
+    else if (!a.albedo.empty())
+        medium.albedo = parseAlbedo(a.albedo);
+    if (medium.albedo && !isGrey(*medium.albedo) && medium.g != 0)
         usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
-    if (!(a.g > -1 && a.g < 1)) usageError("--g", "must be above -1 and below 1");
-    if (!a.emission.empty()) a.emissionGrid = gridName(a.emission, "--emission");
-    a.sunLights = parseSuns(a);
-    a.pointLights = parsePoints(a);
-    a.quadLights = parseQuads(a);
+    if (!(medium.g > -1 && medium.g < 1)) usageError("--g", "must be above -1 and below 1");
+    if (!a.emission.empty()) medium.emission = gridName(a.emission, "--emission");
+    a.scene.suns = parseSuns(a);
+    a.scene.points = parsePoints(a);
+    a.scene.quads = parseQuads(a);
 }
 
 }  // namespace raysweep::apps

@@ -6,6 +6,7 @@
 #include "transfer_options.h"
 
 #include "raysweep/illuminate/illuminate.h"
+#include "raysweep/scene/scene_io.h"
 
 #include <optional>
 
@@ -15,21 +16,16 @@ namespace raysweep::apps {
 struct LightArguments {
     CommonOptions common;
     IlluminateOptions options;
-    std::string input, output, density, albedo, emission, plot;
+    SceneOptions scene;  ///< completed by completeOptions, but for a table that is to be read
+    std::string input, output, albedo, emission, plot;
     TransferArguments transfer;
     SkyArguments sky;
     std::string quality;
     std::vector<std::string> suns, points, quads;
-    double extinction = 1, emissionScale = 1, resolution = 1, g = 0;
+    double resolution = 1;
     std::optional<double> tolerance;
-    bool fromLevelSet = false, repair = false, half = false, explain = false, upsample = false;
+    bool half = false, explain = false, upsample = false;
     int snapshots = 0;
-    // Filled in by completeOptions:
-    std::string albedoGrid, emissionGrid;  ///< names; empty: none
-    Color uniformAlbedo = grey(0.9f);      ///< without a grid
-    std::vector<Sun> sunLights;
-    std::vector<PointLight> pointLights;
-    std::vector<QuadLight> quadLights;
 
     std::string commandLine;    ///< all options with their values, for metadata and report
     std::size_t peakBytes = 0;  ///< most memory used while solving, above what was in use before

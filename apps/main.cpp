@@ -1,6 +1,5 @@
 #include "cli.h"
-
-#include "raysweep/core/error.h"
+#include "hints.h"
 
 #include <openvdb/Exceptions.h>
 
@@ -9,6 +8,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <string>
 
 namespace {
 
@@ -17,8 +17,8 @@ using namespace raysweep::apps;
 constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addImport,  addGenerate, addInfo,
                                                      addCompare, addExport, addProject, addCt};
 
-int fail(const char* what) {
-    std::fprintf(stderr, "raysweep: %s\n", what);
+int fail(const std::string& what) {
+    std::fprintf(stderr, "raysweep: %s\n", what.c_str());
     return kFailed;
 }
 
@@ -51,6 +51,9 @@ int main(int argc, char** argv) {
         return app.exit(e) == 0 ? kDone : kUsage;
     } catch (const std::bad_alloc&) {
         return fail("out of memory; try a smaller volume or a lower resolution");
+    } catch (const raysweep::Error& e) {
+        const auto called = app.get_subcommands();
+        return fail(inWordsOf(called.empty() ? app : *called.front(), e));
     } catch (const std::exception& e) {
         return fail(e.what());
     }

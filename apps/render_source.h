@@ -3,7 +3,7 @@
 
 #include "transfer_options.h"
 
-#include "raysweep/render/render.h"
+#include "raysweep/render/lit_volume.h"
 
 #include <optional>
 #include <string>

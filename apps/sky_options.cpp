@@ -1,9 +1,6 @@
 #include "sky_options.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
-#include "raysweep/image/image_io.h"
-#include "raysweep/scene/sky_map.h"
 
 #include <cctype>
 #include <cmath>
@@ -26,7 +23,7 @@ bool looksLikePicture(const std::string& text) {
     return std::filesystem::exists(text, ignored);
 }
 
-SkyMapOptions optionsFrom(const SkyArguments& a) {
+SkyMapOptions mappingFrom(const SkyArguments& a) {
     SkyMapOptions options;
     options.up = a.up[0] - 'x';
     options.rotate = a.rotate;
@@ -58,35 +55,21 @@ void addSkyOptions(CLI::App& app, SkyArguments& a) {
         ->capture_default_str();
 }
 
-void checkSky(const SkyArguments& a) {
+SkyOptions parseSky(const SkyArguments& a) {
     requireFactor(a.scale, "--sky-scale");
     if (!std::isfinite(a.rotate)) usageError("--sky-rotate", "must be a finite number of degrees");
-    if (a.sky.empty()) return;
+    SkyOptions sky;
+    if (a.sky.empty()) return sky;
+    sky.mapping = mappingFrom(a);
     if (looksLikeNumbers(a.sky))
-        parseColor(a.sky, "--sky");
-    else if (!looksLikePicture(a.sky))
+        sky.radiance = parseColor(a.sky, "--sky") * float(a.scale);
+    else if (looksLikePicture(a.sky))
+        sky.map = a.sky;
+    else
         usageError("--sky", "'" + a.sky +
                                 "' is neither a radiance (a number or R,G,B, as in 0.3 or 0.5,0.7,1) nor a lat-long "
                                 "picture (a file, as in sky.exr or sky.hdr)");
-}
-
-std::optional<SkySuns> addSky(const SkyArguments& a, Scene& scene) {
-    if (a.sky.empty()) return std::nullopt;
-    if (looksLikeNumbers(a.sky)) {
-        scene.sky.radiance = parseColor(a.sky, "--sky") * float(a.scale);
-        return std::nullopt;
-    }
-    SkyMapLight light;
-    try {
-        light = lightFromSkyMap(readImage(a.sky), optionsFrom(a));
-    } catch (const InvalidArgument& e) {
-        throw InvalidArgument("--sky: '" + a.sky + "': " + e.what());
-    } catch (const IoError& e) {
-        throw IoError(std::string("--sky: ") + e.what());
-    }
-    scene.sky = light.sky;
-    scene.suns.insert(scene.suns.end(), light.suns.begin(), light.suns.end());
-    return SkySuns{int(light.suns.size()), light.sunShare};
+    return sky;
 }
 
 }  // namespace raysweep::apps

@@ -3,9 +3,7 @@
 
 #include "cli.h"
 
-#include "raysweep/scene/scene.h"
-
-#include <optional>
+#include "raysweep/scene/scene_io.h"
 
 namespace raysweep::apps {
 
@@ -18,18 +16,7 @@ struct SkyArguments {
 
 void addSkyOptions(CLI::App& app, SkyArguments& arguments);
 
-/// Checks what was typed. @throw CLI::ValidationError
-void checkSky(const SkyArguments& arguments);
-
-/// What suns that stand for bright parts of a map amount to.
-struct SkySuns {
-    int count = 0;
-    double share = 0;  ///< of the map's power
-};
-
-/// Adds the sky to the scene, and the suns that stand for bright parts of a map.
-/// @return for a map, what those are
-/// @throw IoError, InvalidArgument for a map that cannot be read or used
-std::optional<SkySuns> addSky(const SkyArguments& arguments, Scene& scene);
+/// What was typed, as the library takes it; a map is not read yet. @throw CLI::ValidationError
+SkyOptions parseSky(const SkyArguments& arguments);
 
 }  // namespace raysweep::apps

@@ -19,22 +19,23 @@ void addTransferOptions(CLI::App& app, TransferArguments& a, CLI::Option* extinc
         ->excludes(ramp);
 }
 
-std::optional<TransferFunction> parseRamp(const TransferArguments& a) {
+std::optional<Classification> parseRamp(const TransferArguments& a) {
     if (a.ramp.empty()) return std::nullopt;
     const std::vector<double> numbers = parseNumbers(a.ramp, "--ramp", 2, 3, "0.2,1 or --ramp 0.2,1,0.9");
     try {
-        return rampFunction(numbers[0], numbers[1], numbers.size() > 2 ? numbers[2] : kRampOpacity);
+        return Classification{rampFunction(numbers[0], numbers[1], numbers.size() > 2 ? numbers[2] : kRampOpacity),
+                              a.ramp, ""};
     } catch (const InvalidArgument& e) {
         usageError("--ramp", e.what());
     }
 }
 
-std::optional<TransferFunction> transferFunction(const TransferArguments& a) {
+std::optional<Classification> readTransfer(const TransferArguments& a) {
     if (a.table.empty()) return parseRamp(a);
     try {
-        return readTransferFunction(a.table);
+        return Classification{readTransferFunction(a.table), "", a.table};
     } catch (const IoError& e) {
-        throw IoError(std::string("--transfer: ") + e.what());
+        throw about("transfer", e);
     }
 }
 

@@ -3,7 +3,7 @@
 
 #include "cli.h"
 
-#include "raysweep/volume/transfer_function.h"
+#include "raysweep/scene/scene_io.h"
 
 #include <optional>
 
@@ -20,9 +20,9 @@ struct TransferArguments {
 void addTransferOptions(CLI::App& app, TransferArguments& arguments, CLI::Option* extinction);
 
 /// The ramp that was typed, if one was. @throw CLI::ValidationError
-std::optional<TransferFunction> parseRamp(const TransferArguments& arguments);
+std::optional<Classification> parseRamp(const TransferArguments& arguments);
 
 /// The function that was asked for, if one was. @throw CLI::ValidationError for the ramp, IoError for the file
-std::optional<TransferFunction> transferFunction(const TransferArguments& arguments);
+std::optional<Classification> readTransfer(const TransferArguments& arguments);
 
 }  // namespace raysweep::apps

@@ -1,6 +1,7 @@
 /// Raysweep: light transport and reconstruction in sparse volumes.
 ///
-/// One call lights a volume: illuminate(scene, options). To see how it works, read in this order: sweep/ray_front.h (a
+/// One call lights a volume: illuminate(scene, options), with the scene of sceneFrom(file, options); writeLit keeps the
+/// result, render(litVolume(file), camera) shows it. To see how it works, read in this order: sweep/ray_front.h (a
 /// front of rays), sweep/exchange.h (what rays and voxels exchange), sweep/wavefront.h (in which order),
 /// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins).
 ///
@@ -25,6 +26,7 @@
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/reconstruct/sart.h"
+#include "raysweep/render/lit_volume.h"
 #include "raysweep/render/render.h"
 #include "raysweep/scan/data_exchange.h"
 #include "raysweep/scan/detector.h"
@@ -33,9 +35,12 @@
 #include "raysweep/scan/projection_io.h"
 #include "raysweep/scan/ring_filter.h"
 #include "raysweep/scan/rotation_center.h"
+#include "raysweep/scene/lit_file.h"
 #include "raysweep/scene/scene.h"
+#include "raysweep/scene/scene_io.h"
 #include "raysweep/scene/sky_map.h"
 #include "raysweep/volume/classify.h"
+#include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/resample.h"
 #include "raysweep/volume/similarity.h"

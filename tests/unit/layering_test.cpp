@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,17 @@ TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
         ++files;
     }
     EXPECT_GT(files, 20);
+}
+
+TEST(Layering, NoMessageNamesAnOption) {
+    const std::regex option("\"[^\"]*(--[a-z]|raysweep [a-z])");  // in a string
+    const fs::path library = fs::path(raysweep::test::sourceFolder()) / "lib" / "raysweep";
+    for (const auto& entry : fs::recursive_directory_iterator(library)) {
+        if (!entry.is_regular_file()) continue;
+        std::ifstream source(entry.path());
+        for (std::string line; std::getline(source, line);)
+            EXPECT_FALSE(std::regex_search(line, option)) << entry.path() << ": " << line;
+    }
 }
 
 TEST(Layering, FewFilesSeeThreadsPicturesAndFormatsOfOthers) {

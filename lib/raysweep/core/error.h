@@ -1,13 +1,41 @@
 /// The two ways a call can fail. A message says what was wrong, where, and what to do.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
 namespace raysweep {
 
+/// What the library can do about an error if it is asked to. A program knows by which of its options, and adds that to
+/// the message; the library's messages name none.
+enum class Remedy {
+    none,
+    chooseSeries,         ///< say which DICOM series is meant
+    describeSamples,      ///< say how many samples of which type a file without a header holds
+    fillLevelSet,         ///< take the inside of a level set
+    giveExtinction,       ///< say what the extinction is
+    isNoLevelSet,         ///< do not ask for the inside of what is no level set
+    isVolumeAlready,      ///< the file needs no import
+    keepVoxels,           ///< light it without interpolating radiosity to other voxels
+    leaveOutRays,         ///< count rays that are NaN or infinite as not measured
+    lightFirst,           ///< light the volume
+    mapValues,            ///< map the values, for instance to [0,1], when they are imported
+    repairVoxels,         ///< set such voxels to 0
+    setSpacing,           ///< replace the file's spacing
+    spaceSlicesEvenly,    ///< give the spacing, and take slices as equally spaced
+    spaceSlicesByNumber,  ///< give the spacing, and take slices in the order of their numbers
+    useOriginal           ///< use the file that this one was made from
+};
+
 struct Error : std::runtime_error {
-    using std::runtime_error::runtime_error;
+    /// what() is `message` and `rest`; what a program adds about the remedy belongs between them.
+    explicit Error(const std::string& message, Remedy remedy = Remedy::none, const std::string& rest = "")
+        : std::runtime_error(message + rest), remedy(remedy), remedyAt(message.size()) {}
+
+    Remedy remedy;
+    std::size_t remedyAt;  ///< in what()
+    std::string subject;   ///< the file or field of options that it is about; empty: not known
 };
 
 /// An argument, option or voxel value that cannot be worked with.
@@ -19,5 +47,14 @@ struct InvalidArgument : Error {
 struct IoError : Error {
     using Error::Error;
 };
+
+/// `error` said of a `subject`, a file or a field of options: "SUBJECT: message".
+template <class AnyError>
+AnyError about(const std::string& subject, const AnyError& error) {
+    const std::string text = error.what();
+    AnyError more(subject + ": " + text.substr(0, error.remedyAt), error.remedy, text.substr(error.remedyAt));
+    more.subject = subject;
+    return more;
+}
 
 }  // namespace raysweep

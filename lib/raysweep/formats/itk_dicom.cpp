@@ -54,8 +54,8 @@ const std::vector<DicomHeader>& choose(const Series& series, const std::string& 
         return found->second;
     }
     if (series.size() > 1)
-        throw InvalidArgument("there are " + std::to_string(series.size()) +
-                              " DICOM series; choose one with --series UID:" + listOf(series));
+        throw InvalidArgument("there are " + std::to_string(series.size()) + " DICOM series; choose one",
+                              Remedy::chooseSeries, ":" + listOf(series));
     return series.begin()->second;
 }
 
@@ -74,9 +74,7 @@ void sortByPosition(std::vector<DicomHeader>& slices) {
     const DicomHeader& first = slices.front();
     for (DicomHeader& slice : slices) {
         if (slice.axes.empty())
-            throw InvalidArgument("'" + slice.file +
-                                  "' does not say where it is; give --spacing X,Y,Z to take the "
-                                  "images in the order of their numbers");
+            throw InvalidArgument("'" + slice.file + "' does not say where it is", Remedy::spaceSlicesByNumber);
         for (std::size_t n = 0; n < 6; ++n)
             if (!(std::abs(slice.axes[n] - first.axes[n]) < 1e-3))
                 throw InvalidArgument("'" + slice.file + "' and '" + first.file +
@@ -105,9 +103,9 @@ Vec3 stepOf(const std::vector<DicomHeader>& slices) {
             gaps.begin(), gaps.end(), [&](double a, double b) { return std::abs(a - usual) < std::abs(b - usual); });
         const auto at = std::size_t(odd - gaps.begin());
         throw InvalidArgument("the slices are not equally spaced: " + number(*odd) + " mm from '" + slices[at].file +
-                              "' to '" + slices[at + 1].file + "', " + number(usual) +
-                              " mm elsewhere; is one missing, or are there two volumes? --spacing X,Y,Z takes them as "
-                              "equally spaced");
+                                  "' to '" + slices[at + 1].file + "', " + number(usual) +
+                                  " mm elsewhere; is one missing, or are there two volumes?",
+                              Remedy::spaceSlicesEvenly);
     }
     return step;
 }

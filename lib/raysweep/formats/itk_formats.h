@@ -7,7 +7,7 @@
 namespace raysweep {
 
 /// To be counted up whenever something that passes changes.
-constexpr int kItkFormatsVersion = 1;
+constexpr int kItkFormatsVersion = 2;
 struct ItkFormats {
     int version;
     StoredVolume (*volume)(const std::string& path, ItkFormat format, const ProgressCallback& progress);

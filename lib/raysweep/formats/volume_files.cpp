@@ -21,8 +21,8 @@ enum class Kind { unknown, nrrd, metaImage, nifti, dicom, picture };
 
 const char* const kKnown = "NRRD, MetaImage, NIfTI, DICOM, TIFF, PNG";
 
-[[noreturn]] void failRead(const std::string& path, const std::string& why) {
-    throw IoError("cannot read '" + path + "': " + why);
+[[noreturn]] void failRead(const std::string& path, const std::string& why, Remedy remedy = Remedy::none) {
+    throw IoError("cannot read '" + path + "': " + why, remedy);
 }
 
 std::string lower(std::string text) {
@@ -55,9 +55,8 @@ Kind kindOf(const std::string& path) {
 
 [[noreturn]] void failUnknown(const std::string& path) {
     const std::string name = lower(path);
-    if (endsWith(name, ".vdb")) failRead(path, "it is a .vdb already; 'raysweep light' takes it as it is");
-    failRead(path, std::string("it is of no kind that is known (") + kKnown +
-                       "); if it holds nothing but samples, give --dims X,Y,Z and --type");
+    if (endsWith(name, ".vdb")) failRead(path, "it is a .vdb already", Remedy::isVolumeAlready);
+    failRead(path, std::string("it is of no kind that is known (") + kKnown + ")", Remedy::describeSamples);
 }
 
 /// Files in a folder, hidden ones left out, in natural order.

@@ -39,8 +39,8 @@ void setSpacing(StoredVolume& volume, const std::optional<Vec3>& spacing) {
     const double lengths = volume.steps[0].length() * volume.steps[1].length() * volume.steps[2].length();
     if (!(std::abs(cross.dot(volume.steps[2])) > 1e-6 * lengths))  // the axes lie in one plane, or are no numbers
         throw InvalidArgument("the file's axes span no volume: steps (" + textOf(volume.steps[0]) + "), (" +
-                              textOf(volume.steps[1]) + "), (" + textOf(volume.steps[2]) +
-                              "); if only the spacing is wrong, give --spacing X,Y,Z");
+                                  textOf(volume.steps[1]) + "), (" + textOf(volume.steps[2]) + ")",
+                              Remedy::setSpacing);
     if (!std::isfinite(lengths + volume.origin.length()))
         throw InvalidArgument("the file's place, " + textOf(volume.origin) + ", is not finite");
 }
@@ -59,8 +59,9 @@ void requireFinite(const SampleRange& range, bool repair) {
     if (range.notFinite == 0 || repair) return;
     const bool one = range.notFinite == 1;
     throw InvalidArgument(std::to_string(range.notFinite) + " voxel" + (one ? " is" : "s are") +
-                          " infinite or not a number" + (one ? ": " : ", the first of them ") + "(" +
-                          textOf(range.firstNotFinite) + "); repair the file, or use --repair to set such voxels to 0");
+                              " infinite or not a number" + (one ? ": " : ", the first of them ") + "(" +
+                              textOf(range.firstNotFinite) + "); repair the file",
+                          Remedy::repairVoxels);
 }
 
 /// Sets `scale` and `offset` of the result.

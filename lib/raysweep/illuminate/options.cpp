@@ -1,31 +1,22 @@
 #include "raysweep/illuminate/options.h"
 
-#include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 
 #include <cmath>
-#include <sstream>
 
 namespace raysweep {
-namespace {
-
-void requireBetween(const char* field, double value, double low, double high, bool openLow = false) {
-    if (std::isfinite(value) && (openLow ? value > low : value >= low) && value <= high) return;
-    std::ostringstream message;
-    message << field << " is " << value << "; it must be in " << (openLow ? "(" : "[") << low << ", " << high << "]";
-    throw InvalidArgument(message.str());
-}
-
-}  // namespace
 
 void IlluminateOptions::validate() const {
-    if (zeta) requireBetween("zeta", *zeta, 0, 1, true);
-    requireBetween("tolerance", tolerance, 0, 1e30);
-    requireBetween("sweeps", sweeps, 0, 1e9);
-    requireBetween("unshot share", unshotShare, 0, 1, true);
-    requireBetween("batch", batch, 1, 1e5);
-    requireBetween("beams", beams, 0, kMostBeams);
-    requireBetween("surface threshold", surfaceThreshold, 0, 1, true);
-    requireBetween("snapshot interval", snapshotEvery, 0, 1e9);
+    const auto notNegative = [](double value) { return value >= 0 && std::isfinite(value); };
+    const auto isPart = [](double value) { return value > 0 && value <= 1; };
+    requireField(isPart(zeta.value_or(1)), "zeta", zeta.value_or(1), "in (0, 1]");
+    requireField(notNegative(tolerance), "tolerance", tolerance, "0 or more, and finite");
+    requireField(sweeps >= 0, "sweeps", sweeps, "0 or more");
+    requireField(isPart(unshotShare), "unshot share", unshotShare, "in (0, 1]");
+    requireField(batch >= 1 && batch <= 100000, "batch", batch, "1 to 100000");
+    requireField(beams >= 0 && beams <= kMostBeams, "beams", beams, "0 to " + std::to_string(kMostBeams));
+    requireField(isPart(surfaceThreshold), "surface threshold", surfaceThreshold, "in (0, 1]");
+    requireField(snapshotEvery >= 0, "snapshot interval", snapshotEvery, "0 or more");
 }
 
 }  // namespace raysweep

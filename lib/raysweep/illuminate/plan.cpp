@@ -1,10 +1,5 @@
 #include "raysweep/illuminate/plan.h"
 
-#include "raysweep/core/error.h"
-
-#include <cmath>
-#include <sstream>
-
 namespace raysweep {
 namespace {
 
@@ -26,20 +21,6 @@ bool isColoured(const Scene& scene) {
     return coloured;
 }
 
-void requireBetween(const char* field, double value, double low, double high, bool openLow = false) {
-    if (std::isfinite(value) && (openLow ? value > low : value >= low) && value <= high) return;
-    std::ostringstream message;
-    message << field << " is " << value << "; it must be in " << (openLow ? "(" : "[") << low << ", " << high << "]";
-    throw InvalidArgument(message.str());
-}
-
-void requireLight(const char* what, const Color& c) {
-    for (int i = 0; i < 3; ++i)
-        if (!std::isfinite(c[i]) || c[i] < 0)
-            throw InvalidArgument(std::string(what) + " is " + std::to_string(c[i]) +
-                                  "; it must be finite and not negative");
-}
-
 std::string exchangeReason(Exchange exchange, bool solid) {
     switch (exchange) {
         case Exchange::automatic:
@@ -57,35 +38,7 @@ std::string exchangeReason(Exchange exchange, bool solid) {
     return "";
 }
 
-bool isFinite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 }  // namespace
-
-void Scene::validate() const {
-    if (!medium.density) throw InvalidArgument("the scene has no density grid");
-    requireBetween("extinction", medium.extinctionScale, 0, 1e30);
-    requireBetween("emission scale", medium.emissionScale, 0, 1e30);
-    for (int c = 0; c < 3; ++c) requireBetween("albedo", double(medium.albedo[c]), 0, 1);
-    for (const Sun& sun : suns) {
-        if (!isFinite(sun.direction) || sun.direction.length() == 0)
-            throw InvalidArgument("a sun's direction has no length; give the direction in which its light travels");
-        requireLight("a sun's irradiance", sun.irradiance);
-    }
-    for (const PointLight& point : points) {
-        if (!isFinite(point.position)) throw InvalidArgument("a point light's position is not finite");
-        requireLight("a point light's power", point.power);
-    }
-    for (const QuadLight& quad : quads) {
-        if (!isFinite(quad.corner) || !isFinite(quad.u) || !isFinite(quad.v))
-            throw InvalidArgument("a quad light's corner or edges are not finite");
-        if (!(quad.u.cross(quad.v).length() > 1e-9 * quad.u.length() * quad.v.length()))
-            throw InvalidArgument("a quad light has no area: its edges are parallel, or one has no length");
-        requireLight("a quad light's radiance", quad.radiance);
-    }
-    requireLight("the sky's radiance", sky.radiance);
-}
 
 Plan planIllumination(const Scene& scene, const IlluminateOptions& options) {
     const Medium& medium = scene.medium;

@@ -50,14 +50,14 @@ struct Engine {
 
 void requireValues(const FloatGrid& grid) {
     const ValueRange range = valueRange(grid);
-    const auto fail = [&](const std::string& why) {
-        throw InvalidArgument("the volume '" + grid.getName() + "' " + why);
+    const auto fail = [&](const std::string& why, Remedy remedy = Remedy::none) {
+        throw InvalidArgument("the volume '" + grid.getName() + "' " + why, remedy);
     };
     if (range.notFinite > 0) fail("has voxels that are infinite or not a number; repair it first");
     if (range.max.empty() || !(range.max[0] > 0)) fail("is empty: no active voxel is larger than 0");
     if (range.min[0] < 0)
-        fail("has negative values, down to " + std::to_string(range.min[0]) +
-             ", which are no densities; import it with --normalize, or --scale and --offset");
+        fail("has negative values, down to " + std::to_string(range.min[0]) + ", which are no densities",
+             Remedy::mapValues);
 }
 
 /// Active voxels and tiles of `grid`, cut to slices `first` to `last`; calls use(box, value).

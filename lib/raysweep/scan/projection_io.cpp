@@ -64,10 +64,10 @@ void checkFinite(Projections& projections, const std::string& path, bool repair)
     if (bad == 0 || repair) return;
     const RayPlace place = placeOf(projections, first);
     throw InvalidArgument("'" + path + "' has " + std::to_string(bad) + (bad > 1 ? " values" : " value") + " that " +
-                          (bad > 1 ? "are" : "is") + " NaN or infinite, the first in view " +
-                          std::to_string(place.view) + ", row " + std::to_string(place.row) + ", column " +
-                          std::to_string(place.column) +
-                          " (all counted from 0); use --repair to leave such rays out as not measured");
+                              (bad > 1 ? "are" : "is") + " NaN or infinite, the first in view " +
+                              std::to_string(place.view) + ", row " + std::to_string(place.row) + ", column " +
+                              std::to_string(place.column) + " (all counted from 0)",
+                          Remedy::leaveOutRays);
 }
 
 /// Spacing and origin along the detector's axes, where these are the world's x and y.

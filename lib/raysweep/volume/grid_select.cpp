@@ -26,9 +26,10 @@ bool isScalarOrColor(const GridBase& grid) {
     return grid.isType<FloatGrid>() || grid.isType<Vec3SGrid>();
 }
 
-[[noreturn]] void fail(const VdbFile& file, const std::string& why) {
-    throw InvalidArgument("'" + file.path + "': " + why + ". It holds" +
-                          (file.grids.empty() ? " no grids" : ":\n" + listGrids(file)));
+[[noreturn]] void fail(const VdbFile& file, const std::string& why, Remedy remedy = Remedy::none,
+                       const std::string& rest = "") {
+    throw InvalidArgument("'" + file.path + "': " + why, remedy,
+                          rest + ". It holds" + (file.grids.empty() ? " no grids" : ":\n" + listGrids(file)));
 }
 
 std::vector<GridBase::Ptr> named(const VdbFile& file, const std::string& name) {
@@ -123,16 +124,17 @@ const char* className(const GridBase& grid) {
 FloatGrid::Ptr selectDensity(const VdbFile& file, const std::string& name) {
     const FloatGrid::Ptr grid = findScalar(file, name);
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
-        fail(file, "the grid " + quoted(grid->getName()) +
-                       " is a level set: its values are distances to a surface, not densities; use --from-level-set to "
-                       "fill its inside with density 1, or convert it first (Houdini: Convert VDB to Fog)");
+        fail(file,
+             "the grid " + quoted(grid->getName()) +
+                 " is a level set: its values are distances to a surface, not densities; ",
+             Remedy::fillLevelSet, "convert it first (Houdini: Convert VDB to Fog)");
     return grid;
 }
 
 FloatGrid::Ptr selectLevelSet(const VdbFile& file, const std::string& name) {
     const FloatGrid::Ptr grid = findScalar(file, name);
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
-        fail(file, "the grid " + quoted(grid->getName()) + " is not a level set; leave out --from-level-set");
+        fail(file, "the grid " + quoted(grid->getName()) + " is not a level set", Remedy::isNoLevelSet);
     return levelSetToSolid(*grid);
 }
 

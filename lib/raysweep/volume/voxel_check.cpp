@@ -101,17 +101,23 @@ Bad<typename GridT::ValueType> findBad(const GridT& grid, const Good& good) {
     return bad;
 }
 
+/// How values that are not good are spoken of.
+struct Refusal {
+    const char *fault, *advice;
+    Remedy remedy = Remedy::none;
+};
+
 template <class GridT, class Good>
-void requireAll(const GridT& grid, const Good& good, const std::string& what, const std::string& allowed,
-                const std::string& remedy) {
+void requireAll(const GridT& grid, const Good& good, const std::string& what, const Refusal& refusal) {
     const auto bad = findBad(grid, good);
     if (bad.count == 0) return;
     const openvdb::Vec3d world = grid.indexToWorld(bad.first);
     std::ostringstream text;
-    text << what << ": " << bad.count << " active voxel" << (bad.count > 1 ? "s are " : " is ") << allowed
+    text << what << ": " << bad.count << " active voxel" << (bad.count > 1 ? "s are " : " is ") << refusal.fault
          << ", the first at index (" << bad.first.x() << ", " << bad.first.y() << ", " << bad.first.z() << "), world ("
-         << world.x() << ", " << world.y() << ", " << world.z() << "), with the value " << bad.value << "; " << remedy;
-    throw InvalidArgument(text.str());
+         << world.x() << ", " << world.y() << ", " << world.z() << "), with the value " << bad.value << "; "
+         << refusal.advice;
+    throw InvalidArgument(text.str(), refusal.remedy);
 }
 
 /// Applies `change` to the active values for which `good` does not hold. @return the number of voxels changed.
@@ -138,16 +144,14 @@ std::size_t changeBad(GridT& grid, const Good& good, const Change& change) {
     return count;
 }
 
-constexpr const char* kRemedy = "repair the file, or use --repair to set such voxels to 0";
-
 template <class GridT>
 void requireUsable(const GridT& grid, const std::string& what) {
-    requireAll(grid, isUsable, what, "negative, infinite or not a number", kRemedy);
+    requireAll(grid, isUsable, what, {"negative, infinite or not a number", "repair the file", Remedy::repairVoxels});
 }
 
 template <class GridT>
 void requireFractions(const GridT& grid, const std::string& what) {
-    requireAll(grid, isFraction, what, "outside [0,1]", "an albedo is a fraction: scale or clamp the grid first");
+    requireAll(grid, isFraction, what, {"outside [0,1]", "an albedo is a fraction: scale or clamp the grid first"});
 }
 
 template <class GridT>
@@ -172,7 +176,7 @@ std::size_t repairVoxels(Vec3SGrid& grid) {
 }
 
 void checkFinite(const FloatGrid& grid, const std::string& what) {
-    requireAll(grid, isFinite, what, "infinite or not a number", kRemedy);
+    requireAll(grid, isFinite, what, {"infinite or not a number", "repair the file", Remedy::repairVoxels});
 }
 
 std::size_t repairNotFinite(FloatGrid& grid) {

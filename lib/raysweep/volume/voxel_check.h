@@ -13,7 +13,7 @@ constexpr float kLargestHalf = 65504.0f;
 
 /// Checks that no active voxel or tile is NaN, infinite or negative (in any channel). `what` names the grid in the
 /// message, for instance "density". @throw InvalidArgument with the number of bad values and the first of them: leaves
-/// before tiles, each in the tree's order, so the same whatever the number of threads. It points to --repair.
+/// before tiles, each in the tree's order, so the same whatever the number of threads. Its remedy is repairVoxels.
 void checkVoxels(const openvdb::FloatGrid& grid, const std::string& what);
 void checkVoxels(const openvdb::Vec3SGrid& grid, const std::string& what);
 

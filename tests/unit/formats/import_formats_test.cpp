@@ -157,6 +157,7 @@ TEST_F(ImportItk, OneOfSeveralDicomSeriesMustBeChosen) {
     writeSeries(folder, series(5));
     const std::string path = writeSeries(folder, other, "other");
     expectError({path}, "1.2.3.4  5 images  head");
+    expectError({path}, "there are 2 DICOM series; choose one:\n");
     expectError({path}, "9.8.7  2 images  foot");
     ImportOptions options;
     options.series = "9.8.7";

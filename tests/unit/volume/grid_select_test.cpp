@@ -87,8 +87,14 @@ TEST(SelectDensity, ANameMayReallyEndInBrackets) {
 TEST(SelectDensity, RefusesALevelSetAndSaysHowToUseIt) {
     VdbFile file = newFile();
     add<FloatGrid>(file, "density")->setGridClass(openvdb::GRID_LEVEL_SET);
-    EXPECT_TRUE(says(messageOf(file), "level set"));
-    EXPECT_TRUE(says(messageOf(file), "--from-level-set"));
+    try {
+        selectDensity(file);
+        FAIL() << "no error";
+    } catch (const InvalidArgument& e) {
+        EXPECT_TRUE(says(e.what(), "level set"));
+        EXPECT_EQ(e.remedy, Remedy::fillLevelSet);
+        EXPECT_EQ(std::string(e.what()).substr(e.remedyAt, 10), "convert it");
+    }
 }
 
 TEST(SelectDensity, NamesTheTypeOfGridsItCannotUse) {

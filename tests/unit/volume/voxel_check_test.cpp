@@ -63,8 +63,19 @@ TEST(CheckVoxels, CountsBadVoxelsAndNamesTheFirst) {
     }
     EXPECT_NE(messages[0].find("density: 515 active voxels"), std::string::npos) << messages[0];
     EXPECT_NE(messages[0].find("(3, 4, 5)"), std::string::npos) << messages[0];
-    EXPECT_NE(messages[0].find("--repair"), std::string::npos) << messages[0];
+    EXPECT_NE(messages[0].find("repair the file"), std::string::npos) << messages[0];
     EXPECT_EQ(messages[0], messages[1]);
+}
+
+TEST(CheckVoxels, CanBeRepaired) {
+    const FloatGrid::Ptr grid = makeGrid();
+    grid->tree().setValueOn(Coord(3, 4, 5), kNan);
+    try {
+        checkVoxels(*grid, "density");
+        FAIL() << "no error";
+    } catch (const InvalidArgument& e) {
+        EXPECT_EQ(e.remedy, Remedy::repairVoxels);
+    }
 }
 
 TEST(CheckVoxels, SeesAnInfiniteTile) {

@@ -1,0 +1,87 @@
+#include "raysweep/render/lit_volume.h"
+
+#include "raysweep/core/require.h"
+#include "raysweep/scene/lit_file.h"
+#include "raysweep/volume/classify.h"
+#include "raysweep/volume/cycles_export.h"
+#include "raysweep/volume/grid_select.h"
+
+#include <cmath>
+
+namespace raysweep {
+namespace {
+
+openvdb::GridBase::ConstPtr requireRadiosity(const VdbFile& file) {
+    if (const auto radiosity = litRadiosity(file)) return radiosity;
+    InvalidArgument error("'" + file.path + "' has no grid 'radiosity'", Remedy::lightFirst);
+    error.subject = file.path;
+    throw error;
+}
+
+RenderInput selectInput(const VdbFile& file, const LitVolumeOptions& options) {
+    const openvdb::GridBase::ConstPtr radiosity = requireRadiosity(file);
+    // A file that was lit with a transfer function holds the extinction itself.
+    const openvdb::FloatGrid::Ptr written = litExtinction(file);
+    if (written && options.density.empty() && !options.extinction && !options.transfer) return {written, 1, radiosity};
+    const std::string name = options.density.empty() ? litDensity(*radiosity) : options.density;
+    const openvdb::FloatGrid::Ptr density = selectDensity(withoutLight(file), name);
+    if (options.transfer) return {classify(*density, *options.transfer).extinction, 1, radiosity};
+    const auto extinction = options.extinction ? options.extinction : litExtinctionScale(*radiosity);
+    return {density, extinction.value_or(1), radiosity};
+}
+
+openvdb::Vec3f colourOf(float value) {
+    return openvdb::Vec3f(value);
+}
+openvdb::Vec3f colourOf(const openvdb::Vec3f& value) {
+    return value;
+}
+
+/// Adds `factor` times the active values of `grid`, or of their means with `grey`, to `sum`.
+void addTo(openvdb::Vec3SGrid& sum, const openvdb::GridBase& grid, const openvdb::Vec3f& factor, bool grey) {
+    auto to = sum.getAccessor();
+    withTypedGrid(grid, [&](const auto& typed) {
+        for (auto on = typed.cbeginValueOn(); on; ++on) {
+            openvdb::Vec3f value = colourOf(*on);
+            if (grey) value = openvdb::Vec3f((value[0] + value[1] + value[2]) / 3);
+            to.setValue(on.getCoord(), to.getValue(on.getCoord()) + value * factor);
+        }
+    });
+}
+
+/// Radiosity with what is still unshot as light of one colour: the power of a voxel over the face of a voxel and a half
+/// space.
+openvdb::GridBase::ConstPtr withUnshot(const VdbFile& file, const openvdb::GridBase& radiosity, const Color& tint) {
+    const auto unshot = selectGrid(file, "unshot");
+    if (unshot->transform() != radiosity.transform())
+        throw InvalidArgument("'" + file.path + "': unshot power and radiosity are needed on the same voxels",
+                              Remedy::keepVoxels);
+    const double edge = std::cbrt(radiosity.transform().voxelVolume());
+    auto sum = openvdb::Vec3SGrid::create(openvdb::Vec3f(0));
+    sum->setTransform(radiosity.transform().copy());
+    addTo(*sum, radiosity, openvdb::Vec3f(1), false);
+    addTo(*sum, *unshot, openvdb::Vec3f(tint.x, tint.y, tint.z) / float(kPi * edge * edge), true);
+    return sum;
+}
+
+}  // namespace
+
+void LitVolumeOptions::validate() const {
+    if (extinction)
+        requireField(*extinction >= 0 && std::isfinite(*extinction), "extinction", *extinction,
+                     "finite and not negative");
+    if (transfer) transfer->validate();
+    for (int c = 0; unshot && c < 3; ++c)
+        requireField((*unshot)[c] >= 0 && std::isfinite((*unshot)[c]), "unshot", (*unshot)[c],
+                     "finite and not negative");
+}
+
+RenderInput litVolume(const VdbFile& file, const LitVolumeOptions& options) {
+    options.validate();
+    requireOriginal(file);
+    RenderInput input = selectInput(file, options);
+    if (options.unshot) input.radiosity = withUnshot(file, *input.radiosity, *options.unshot);
+    return input;
+}
+
+}  // namespace raysweep

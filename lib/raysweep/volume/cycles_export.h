@@ -1,0 +1,23 @@
+/// Volumes that Blender shows in their place.
+#pragma once
+
+#include "raysweep/volume/vdb_io.h"
+
+#include <string>
+#include <vector>
+
+namespace raysweep {
+
+/// Moves every grid of `file` back by half a voxel of its own, and says so in the file's metadata. Blender's Cycles
+/// takes voxel (i,j,k) for the cube from (i,j,k) to (i+1,j+1,k+1), OpenVDB for the one around (i,j,k): half a voxel
+/// apart, which is another distance for grids of another resolution. Nothing in Blender can move one grid of an object
+/// and not the others.
+/// @return names of the grids that were left where they are: points, which Cycles does not show as voxels, and
+/// transforms that are not linear
+/// @throw InvalidArgument as requireOriginal does
+std::vector<std::string> moveForCycles(VdbFile& file);
+
+/// @throw InvalidArgument if the grids of `file` were moved by moveForCycles, and so are not where they belong.
+void requireOriginal(const VdbFile& file);
+
+}  // namespace raysweep
