@@ -50,8 +50,7 @@ ReconstructionGrid turnedGrid(const ProjectionGeometry& geometry) {
     try {
         fitOrbit(geometry);
     } catch (const InvalidArgument&) {
-        throw InvalidArgument(
-            "the views are not those of a turn about an axis that is seen; give --size and --spacing");
+        throw InvalidArgument("the views are not those of a turn about an axis that is seen");
     }
     return coveringGrid(geometry);
 }
