@@ -167,12 +167,6 @@ void requireFileOutput(const std::string& path, const std::string& option) {
     if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
 }
 
-std::string brief(double value, int digits) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    return text;
-}
-
 std::string numberedName(const std::string& path, int number) {
     const std::filesystem::path whole(path);
     char digits[16];

@@ -3,6 +3,7 @@
 
 #include "command.h"
 
+#include "raysweep/core/brief.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/progress.h"
 #include "raysweep/core/types.h"
@@ -45,9 +46,6 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// Refuses "-" (standard output), which a file that is written in place of another cannot be, and an empty name.
 /// @throw CLI::ValidationError
 void requireFileOutput(const std::string& path, const std::string& option = "--output");
-
-/// A number as people write it, with few digits.
-std::string brief(double value, int digits = 2);
 
 /// `path` with _0001 and so on before its extension: one of a series of files.
 std::string numberedName(const std::string& path, int number);

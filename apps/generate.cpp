@@ -109,7 +109,7 @@ bool hasShapes(const std::string& kind) {
 }
 
 void writeExactProjections(const GenerateOptions& options) {
-    const ProjectionGeometry geometry = scanGeometry(options.scan, nullptr, Vec3(0));
+    const ProjectionGeometry geometry = scanGeometry(options.scan.options);
     const auto shapes = options.kind == "shepp-logan" ? sheppLogan(options.phantom) : boxWithHoles(options.phantom);
     writeProjections(options.projections, exactProjections(shapes, geometry), pitchOf(geometry));
 }
@@ -151,7 +151,8 @@ void completeOptions(GenerateOptions& options, const CLI::App& command) {
         usageError("--soft", "must be at most half of --size");
     if (!options.projections.empty()) {
         requireProjectionOutput(options.projections, "--projections");
-        checkScanOptions(options.scan);
+        completeScanOptions(options.scan);
+        requireWhole(options.scan);
     }
     options.phantom.seed = options.common.seed;
     options.room.voxelSize = options.phantom.voxelSize;

@@ -7,7 +7,9 @@
 #include "raysweep/scan/detector.h"
 #include "raysweep/scan/geometry_io.h"
 #include "raysweep/scan/projection_io.h"
+#include "raysweep/scan/scan.h"
 #include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/statistics.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
@@ -33,7 +35,8 @@ void completeOptions(ProjectArguments& a) {
     if (!a.geometryOutput.empty()) requireFileOutput(a.geometryOutput, "--write-geometry");
     requireProjectionOutput(a.output, "--output");
     requireFactor(a.extinction, "--extinction");
-    checkScanOptions(a.scan);
+    completeScanOptions(a.scan);
+    requireWhole(a.scan);
     a.detector.seed = a.common.seed;
     try {
         a.detector.validate();
@@ -67,9 +70,8 @@ int run(const ProjectArguments& a) {
     if (!a.geometryOutput.empty()) requireWritable(a.geometryOutput);
     const openvdb::FloatGrid::Ptr volume = selectDensity(readVdb(a.input), a.grid);
     checkFinite(*volume, volume->getName());
-    const ProjectionGeometry geometry = scanGeometry(a.scan, nullptr, middleOf(*volume));
-
-    commentOnScan(a.scan, a.common);
+    const ProjectionGeometry geometry = scanGeometry(centeredAt(middleOf(*volume), a.scan.options));
+    if (const auto unlikely = detectorBeforeAxis(a.scan.options)) warning(a.common, unlikely->message);
 
     TerminalProgress progress(a.common);
     const Timer timer;
@@ -109,7 +111,8 @@ void addProject(CLI::App& app, int& exitCode) {
         ->capture_default_str();
     addScanOptions(*command, a->scan);
     command->option_defaults()->group("Detector");
-    command->add_option("--axis-column", a->scan.axisColumn, "Column onto which the axis falls (default: the middle)");
+    command->add_option("--axis-column", a->scan.options.axisColumn,
+                        "Column onto which the axis falls (default: the middle)");
     command->add_option("--photons", a->detector.photons,
                         "Photons per pixel without object: adds Poisson noise (default: none)");
     command->add_option("--saturation", a->detector.saturation, "Largest line integral that the detector can tell");

@@ -5,9 +5,10 @@
 /// front of rays), sweep/exchange.h (what rays and voxels exchange), sweep/wavefront.h (in which order),
 /// illuminate/illuminate.h (what is iterated), illuminate/coarse_level.h (where it begins).
 ///
-/// One call reconstructs a volume from X-rays: sart(projections, geometry, grid, options). In this order:
-/// camera/projection_geometry.h (where rays run), projector/joseph.h (what they meet), projector/project.h and
-/// projector/backproject.h (both ways), reconstruct/sart.h.
+/// Two calls make a volume of X-rays: readScan(options), files to line integrals and where their rays ran, and
+/// reconstruct(scan, options). In this order: scan/scan.h, camera/projection_geometry.h (where rays run),
+/// projector/joseph.h (what they meet), projector/project.h and projector/backproject.h (both ways), reconstruct/sart.h
+/// and reconstruct/fbp.h (the methods), reconstruct/reconstruct.h.
 ///
 /// Quantities and units: docs/units.md.
 #pragma once
@@ -25,6 +26,7 @@
 #include "raysweep/phantoms/phantom.h"
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/fbp.h"
+#include "raysweep/reconstruct/reconstruct.h"
 #include "raysweep/reconstruct/sart.h"
 #include "raysweep/render/lit_volume.h"
 #include "raysweep/render/render.h"
@@ -35,6 +37,8 @@
 #include "raysweep/scan/projection_io.h"
 #include "raysweep/scan/ring_filter.h"
 #include "raysweep/scan/rotation_center.h"
+#include "raysweep/scan/scan.h"
+#include "raysweep/scan/scan_geometry.h"
 #include "raysweep/scene/lit_file.h"
 #include "raysweep/scene/scene.h"
 #include "raysweep/scene/scene_io.h"

@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/require.h"
 #include "raysweep/reconstruct/orbit_fit.h"
+#include "raysweep/volume/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,6 +46,29 @@ Seen seenOf(const ProjectionGeometry& geometry, const OrbitFit& orbit) {
     return seen;
 }
 
+/// All that the detector sees, which nobody can know if it does not turn.
+ReconstructionGrid turnedGrid(const ProjectionGeometry& geometry) {
+    try {
+        fitOrbit(geometry);
+    } catch (const InvalidArgument&) {
+        throw InvalidArgument("the views are not those of a turn about an axis that is seen");
+    }
+    return coveringGrid(geometry);
+}
+
+/// The middle of `grid`, moved by less than a voxel to where its voxels are those of `frame`.
+Vec3 snapped(const ReconstructionGrid& grid, const openvdb::FloatGrid& frame) {
+    const Vec3 first = grid.voxel(0, 0, 0);
+    const openvdb::Coord nearest = openvdb::Coord::round(frame.worldToIndex(openvdb::Vec3d(first.x, first.y, first.z)));
+    const openvdb::Vec3d place = frame.indexToWorld(nearest);
+    return grid.center + Vec3(place.x(), place.y(), place.z()) - first;
+}
+
+ReconstructionGrid gridOf(const openvdb::FloatGrid& frame) {
+    const openvdb::Coord dims = frame.evalActiveVoxelBoundingBox().dim();
+    return {Index3(dims.x(), dims.y(), dims.z()), middleOf(frame), frame.voxelSize()[0]};
+}
+
 }  // namespace
 
 openvdb::math::Transform::Ptr ReconstructionGrid::transform() const {
@@ -74,11 +98,46 @@ ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry) {
         const double along = std::abs(orbit.axis[axis]), aside = std::sqrt(std::max(0.0, 1 - along * along));
         const double edge = 2 * seen.radius * aside + (seen.high - seen.low) * along;
         const double voxels = std::ceil(edge / grid.spacing - 1e-6);
-        if (!(voxels <= 16384))
+        if (!(voxels <= kMostVoxelsAlong))
             throw InvalidArgument("the detector sees " + std::to_string(voxels) + " voxels along axis " +
                                   std::to_string(axis) + "; name the size of the grid and its spacing");
         grid.dims[axis] = std::max(1, int(voxels));
     }
+    return grid;
+}
+
+void GridOptions::validate() const {
+    for (int axis = 0; dims && axis < 3; ++axis) {
+        const int voxels = (*dims)[axis];
+        requireField(voxels >= 1 && voxels <= kMostVoxelsAlong, "dims[" + std::to_string(axis) + "]", voxels,
+                     "1 to " + std::to_string(kMostVoxelsAlong));
+    }
+    for (int axis = 0; center && axis < 3; ++axis)
+        requireField(std::isfinite((*center)[axis]), "center[" + std::to_string(axis) + "]", (*center)[axis], "finite");
+    if (spacing) requireField(*spacing > 0 && std::isfinite(*spacing), "spacing", *spacing, "positive and finite");
+}
+
+ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const GridOptions& options,
+                                      const openvdb::FloatGrid* frame) {
+    options.validate();
+    ReconstructionGrid grid;
+    if (frame)
+        grid = gridOf(*frame);
+    else if (!options.dims || !options.spacing)
+        grid = turnedGrid(geometry);
+    const Vec3 extent = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;
+    if (options.spacing) grid.spacing = *options.spacing;
+    if (options.dims) {
+        grid.dims = *options.dims;
+        if (!frame) grid.center = Vec3(0);
+    } else if (options.spacing) {
+        for (int axis = 0; axis < 3; ++axis)
+            grid.dims[axis] = int(std::clamp(std::round(extent[axis] / grid.spacing), 1.0, double(kMostVoxelsAlong)));
+    }
+    if (options.center)
+        grid.center = *options.center;
+    else if (frame)
+        grid.center = snapped(grid, *frame);
     return grid;
 }
 

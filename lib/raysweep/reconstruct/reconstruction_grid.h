@@ -5,7 +5,11 @@
 #include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
 
+#include <optional>
+
 namespace raysweep {
+
+constexpr int kMostVoxelsAlong = 1 << 14;  ///< an axis: what is more was hardly meant
 
 /// Cubic voxels along the world's axes; the first has the index (0,0,0).
 struct ReconstructionGrid {
@@ -27,8 +31,27 @@ struct ReconstructionGrid {
 
 /// All that the detector sees of an object that turns: about the part of the axis that is seen, as wide as the rays at
 /// the detector's sides are away from the axis in any view; voxels as large as the smaller edge of a pixel is at the
-/// axis. @throw InvalidArgument if the views are not those of a turn about an axis, as fitOrbit, or if more than 16384
-/// voxels along an axis were needed.
+/// axis. @throw InvalidArgument if the views are not those of a turn about an axis, as fitOrbit, or if more than
+/// kMostVoxelsAlong voxels along an axis were needed.
 ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry);
+
+/// What is asked of a grid; see reconstructionGrid for what is not.
+struct GridOptions {
+    std::optional<Index3> dims;     ///< voxels along x, y, z, 1 to kMostVoxelsAlong
+    std::optional<double> spacing;  ///< edge of a voxel, world units, > 0
+    std::optional<Vec3> center;     ///< middle of the grid, world units
+
+    /// @throw InvalidArgument naming field, value and bound.
+    void validate() const;
+};
+
+/// The grid that was asked for. What was not is that of `frame`'s active voxels, else all that the detector sees
+/// (coveringGrid); with `dims` and no frame the middle is 0,0,0; with `spacing` alone the extent stays. The grid of a
+/// frame that is not moved to `center` is moved by less than a voxel, so that voxels lie on those of the frame.
+/// @param frame a volume with cubic voxels and active ones among them; may be null.
+/// @throw InvalidArgument as GridOptions::validate and coveringGrid; if what the detector sees must be known, but the
+/// views are not those of a turn.
+ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const GridOptions& options,
+                                      const openvdb::FloatGrid* frame = nullptr);
 
 }  // namespace raysweep

@@ -163,6 +163,12 @@ ValueRange valueRange(const GridBase& grid) {
                           ", but float or vec3s is needed");
 }
 
+Vec3 middleOf(const FloatGrid& grid) {
+    const auto box = grid.evalActiveVoxelBoundingBox();
+    const openvdb::Vec3d middle = grid.indexToWorld(0.5 * (box.min().asVec3d() + box.max().asVec3d()));
+    return Vec3(middle.x(), middle.y(), middle.z());
+}
+
 GridDifference compareGrids(const GridBase& grid, const GridBase& reference) {
     if (!hasKnownValues(grid) || grid.type() != reference.type())
         throw InvalidArgument("cannot compare grids of type " + grid.valueType() + " and " + reference.valueType() +

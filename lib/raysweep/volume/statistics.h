@@ -1,6 +1,7 @@
 /// What a grid's values range over, and how much two grids differ.
 #pragma once
 
+#include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
 
 #include <cstdint>
@@ -19,6 +20,9 @@ bool hasKnownValues(const openvdb::GridBase& grid);
 
 /// @throw InvalidArgument if the grid is neither a FloatGrid nor a Vec3SGrid.
 ValueRange valueRange(const openvdb::GridBase& grid);
+
+/// World position of the middle of the box around the active voxels, of which there must be some.
+Vec3 middleOf(const openvdb::FloatGrid& grid);
 
 /// Differences of two grids over the union of their active voxels; where only one is active the other counts with
 /// the value it has there. Channels are averaged. If their voxels do not coincide, the one with the larger voxels is

@@ -4,53 +4,20 @@
 
 #include "raysweep/scan/line_integrals.h"
 
-#include <hdf5.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 
 #include "support/temporary_folder.h"
 #include "support/volume_files.h"
 #include "support/volumes.h"
 #include "unit/reconstruct/ct_fixture.h"
+#include "unit/scan/hdf5_file.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
 
 namespace {
-
-/// A file whose datasets a test chooses.
-class Hdf5File {
-  public:
-    explicit Hdf5File(const std::string& path)
-        : file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)),
-          group_(H5Gcreate2(file_, "exchange", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)) {}
-    ~Hdf5File() {
-        H5Gclose(group_);
-        H5Fclose(file_);
-    }
-
-    void add(const std::string& name, const std::vector<hsize_t>& sizes, hid_t stored, hid_t given, const void* data) {
-        const hid_t space = H5Screate_simple(int(sizes.size()), sizes.data(), nullptr);
-        const hid_t set = H5Dcreate2(group_, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-        EXPECT_GE(H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, data), 0);
-        H5Dclose(set);
-        H5Sclose(space);
-    }
-    void addCounts(const std::string& name, const std::vector<hsize_t>& sizes, int first) {
-        std::vector<int> counts(std::accumulate(sizes.begin(), sizes.end(), std::size_t(1), std::multiplies<>()));
-        std::iota(counts.begin(), counts.end(), first);
-        add(name, sizes, H5T_STD_U16BE, H5T_NATIVE_INT, counts.data());
-    }
-    void addAngles(const std::vector<double>& angles) {
-        add("theta", {angles.size()}, H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, angles.data());
-    }
-
-  private:
-    hid_t file_, group_;
-};
 
 class DataExchangeFile : public ::testing::Test {
   protected:

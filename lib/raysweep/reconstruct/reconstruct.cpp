@@ -1,0 +1,237 @@
+#include "raysweep/reconstruct/reconstruct.h"
+
+#include "raysweep/core/brief.h"
+#include "raysweep/core/memory.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
+#include "raysweep/projector/joseph.h"
+#include "raysweep/projector/shadow.h"
+#include "raysweep/reconstruct/orbit_fit.h"
+#include "raysweep/scan/line_integrals.h"
+#include "raysweep/volume/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace raysweep {
+namespace {
+
+using Kind = ReconstructionWarning::Kind;
+
+bool isDirect(const ReconstructOptions& options) {
+    return options.method == ReconstructionMethod::fbp;
+}
+
+bool filters(const ReconstructOptions& options) {
+    return isDirect(options) || options.startFiltered;
+}
+
+void requireVoxels(const openvdb::FloatGrid::ConstPtr& volume, const char* name) {
+    if (volume && volume->evalActiveVoxelBoundingBox().empty())
+        throw InvalidArgument(std::string("the ") + name + " volume has no active voxels");
+}
+
+/// The volume that says where things are, if any.
+const openvdb::FloatGrid* frameOf(const ReconstructOptions& options) {
+    return options.volumes.initial ? options.volumes.initial.get() : options.volumes.reference.get();
+}
+
+/// In how many views the grid falls onto the detector. @throw InvalidArgument if in none.
+int viewsSeeing(const ProjectionGeometry& geometry, const ReconstructionGrid& grid) {
+    const auto transform = grid.transform();
+    const openvdb::CoordBBox box(openvdb::Coord(0), openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
+    return requireSeen(geometry, columnLattice(box, *transform, columnAxisFor(geometry, *transform)));
+}
+
+void requireRoom(const ReconstructionGrid& grid, const ReconstructOptions& options) {
+    requireBytes(leastBytes(grid, options),
+                 "a volume of " + std::to_string(grid.dims.x) + "x" + std::to_string(grid.dims.y) + "x" +
+                     std::to_string(grid.dims.z) + " voxels needs at least",
+                 "use larger voxels, or less of them");
+}
+
+/// Filtered backprojection needs a value for every ray.
+openvdb::FloatGrid::Ptr filtered(const Scan& scan, const ReconstructOptions& options, const ProgressCallback& progress,
+                                 Reconstruction& result) {
+    const Timer timer;
+    const RayCounts rays = countRays(scan.projections);
+    if (rays.saturated > 0)
+        result.warnings.push_back({Kind::saturation, std::to_string(rays.saturated) +
+                                                         " saturated values are taken as if they were measured; "
+                                                         "iterative methods know better"});
+    const std::string amiss = scanWarning(scan.geometry);
+    if (!amiss.empty()) result.warnings.push_back({Kind::shortScan, amiss});
+    const auto backproject = [&](const Projections& projections) {
+        return filteredBackprojection(projections, scan.geometry, result.grid, options.fbp, progress);
+    };
+    openvdb::FloatGrid::Ptr volume;
+    if (rays.notMeasured == 0) {
+        volume = backproject(scan.projections);
+    } else {
+        Projections complete = scan.projections;
+        fillUnmeasured(complete);
+        volume = backproject(complete);
+    }
+    result.seconds.filtered = timer.seconds();
+    return volume;
+}
+
+int viewsTogether(const ReconstructOptions& options, int views) {
+    switch (options.method) {
+        case ReconstructionMethod::sirt:
+            return 0;
+        case ReconstructionMethod::osSart:
+            return options.subset > 0 ? options.subset : std::max(1, views / 10);
+        default:
+            return 1;
+    }
+}
+
+ReconstructionTermination terminationOf(SartTermination termination) {
+    switch (termination) {
+        case SartTermination::interrupted:
+            return ReconstructionTermination::interrupted;
+        case SartTermination::residual:
+            return ReconstructionTermination::residual;
+        default:
+            return ReconstructionTermination::iterations;
+    }
+}
+
+void iterate(const Scan& scan, const ReconstructOptions& options, const openvdb::FloatGrid::ConstPtr& initial,
+             const ProgressCallback& progress, Reconstruction& result) {
+    SartOptions sartOptions = options.sart;
+    sartOptions.viewsPerUpdate = viewsTogether(options, scan.projections.views);
+    SartResult iterated =
+        sart(scan.projections, scan.geometry, result.grid, sartOptions, {initial, options.volumes.reference}, progress);
+    result.volume = iterated.volume;
+    result.termination = terminationOf(iterated.termination);
+    result.history = std::move(iterated.history);
+    result.updates = iterated.updates;
+    result.keptVoxels = iterated.keptVoxels;
+    result.raysUsed = iterated.raysUsed;
+    result.seconds.updates = iterated.seconds;
+}
+
+/// Over all voxels of the grid, as SartPoint::rms; where voxels do not coincide, as compareGrids.
+double rmsOf(const openvdb::FloatGrid& volume, const openvdb::FloatGrid& reference, const Index3& dims) {
+    const auto place = [&](const openvdb::Coord& voxel) { return reference.worldToIndex(volume.indexToWorld(voxel)); };
+    const openvdb::Coord shift = openvdb::Coord::round(place(openvdb::Coord(0)));
+    const openvdb::Coord last(dims.x - 1, dims.y - 1, dims.z - 1);
+    if (!((place(openvdb::Coord(0)) - shift.asVec3d()).length() < 1e-3) ||
+        !((place(last) - (last + shift).asVec3d()).length() < 1e-3))
+        return compareGrids(volume, reference).rmse;
+    const double sum = orderedSum<double>(
+        std::size_t(dims.x),
+        [&](std::size_t x) {
+            const auto is = volume.getConstAccessor(), shouldBe = reference.getConstAccessor();
+            double squares = 0;
+            for (int y = 0; y < dims.y; ++y)
+                for (int z = 0; z < dims.z; ++z) {
+                    const openvdb::Coord voxel(int(x), y, z);
+                    const double difference = double(is.getValue(voxel)) - shouldBe.getValue(voxel + shift);
+                    squares += difference * difference;
+                }
+            return squares;
+        },
+        4);
+    return std::sqrt(sum / (double(dims.x) * dims.y * dims.z));
+}
+
+std::optional<ReconstructionWarning> voxelSizeWarning(const ProjectionGeometry& geometry, double spacing) {
+    constexpr double kApart = 4;  // as a factor
+    double pixel = 0;
+    try {
+        pixel = coveringGrid(geometry).spacing;
+    } catch (const InvalidArgument&) {
+        return {};  // no axis to see them at
+    }
+    if (spacing <= kApart * pixel && spacing >= pixel / kApart) return {};
+    return ReconstructionWarning{Kind::voxelSize,
+                                 "voxels are " + brief(spacing / pixel) +
+                                     " times as large as the detector's pixels, seen at the axis; are voxels, pixels "
+                                     "and the geometry in the same unit (mm, cm)?"};
+}
+
+std::optional<ReconstructionWarning> opaqueVoxelWarning(const openvdb::FloatGrid& volume, double spacing) {
+    constexpr double kOpaque = 4;  // optical depth of a voxel: no scan has one that stops 98 % of the rays
+    const ValueRange range = valueRange(volume);
+    if (range.max.empty() || !(range.max[0] * spacing > kOpaque)) return {};
+    return ReconstructionWarning{
+        Kind::opaqueVoxel, "a single voxel would stop up to " +
+                               brief(100 * (1 - std::exp(-range.max[0] * spacing)), 3) +
+                               " % of the rays: densities as large as " + brief(range.max[0]) +
+                               " per world unit suggest that lengths were given in the wrong unit (mm, cm), or that "
+                               "the input does not hold line integrals"};
+}
+
+void addWarnings(const ProjectionGeometry& geometry, Reconstruction& result) {
+    for (const auto& warning :
+         {voxelSizeWarning(geometry, result.grid.spacing), opaqueVoxelWarning(*result.volume, result.grid.spacing)})
+        if (warning) result.warnings.push_back(*warning);
+    if (2 * std::size_t(result.viewsSeeing) < geometry.views.size())
+        result.warnings.push_back({Kind::fewViews, "the volume falls onto the detector in " +
+                                                       std::to_string(result.viewsSeeing) + " of " +
+                                                       std::to_string(geometry.views.size()) +
+                                                       " views only; check where it lies, and the geometry"});
+    if (result.volume->empty())
+        result.warnings.push_back({Kind::emptyVolume,
+                                   "the volume is empty: no line integral is above 0, or none of its rays meets the "
+                                   "volume"});
+}
+
+}  // namespace
+
+void ReconstructOptions::validate() const {
+    requireField(subset >= 0, "subset", subset, "at least 0");
+    sart.validate();
+    fbp.validate();
+    grid.validate();
+    if (startFiltered && volumes.initial)
+        throw InvalidArgument("startFiltered: must be false if there is an initial volume");
+    requireVoxels(volumes.initial, "initial");
+    requireVoxels(volumes.reference, "reference");
+}
+
+double leastBytes(const ReconstructionGrid& grid, const ReconstructOptions& options) {
+    constexpr double kLeast = 1.0 / 16;  // the part of a grid that an object takes up at the least
+    const bool whole = filters(options) || options.volumes.reference || options.sart.support == Support::none;
+    return double(grid.dims.x) * grid.dims.y * grid.dims.z * sizeof(float) * (whole ? 1 : kLeast);
+}
+
+Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, const ProgressCallback& progress) {
+    options.validate();
+    requireMatching(scan.geometry, scan.projections);
+    const Timer timer;
+    Reconstruction result;
+    if (isDirect(options)) fitOrbit(scan.geometry);  // says why it cannot be, before anything else
+    result.grid = reconstructionGrid(scan.geometry, options.grid, frameOf(options));
+    result.viewsSeeing = viewsSeeing(scan.geometry, result.grid);
+    requireRoom(result.grid, options);
+
+    bool stopped = false;  // once asked to stop, whatever comes next stops as well
+    const ProgressCallback stoppable = [&](const std::string& stage, double fraction) {
+        stopped = stopped || !report(progress, stage, fraction);
+        return !stopped;
+    };
+    openvdb::FloatGrid::ConstPtr initial = options.volumes.initial;
+    if (filters(options)) {
+        const openvdb::FloatGrid::Ptr volume = filtered(scan, options, stoppable, result);
+        initial = result.volume = volume;
+    }
+    if (!isDirect(options))
+        iterate(scan, options, initial, stoppable, result);
+    else if (stopped)
+        result.termination = ReconstructionTermination::interrupted;
+    result.seconds.total = timer.seconds();
+
+    const openvdb::FloatGrid* reference = options.volumes.reference.get();
+    result.rms =
+        reference ? rmsOf(*result.volume, *reference, result.grid.dims) : std::numeric_limits<double>::quiet_NaN();
+    addWarnings(scan.geometry, result);
+    return result;
+}
+
+}  // namespace raysweep
