@@ -1,12 +1,12 @@
 #include "raysweep/volume/resample.h"
 
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/Morphology.h>
-#include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
 
@@ -33,16 +33,6 @@ typename GridType::Ptr withVoxelsOf(const ShapeType& shape) {
     const auto grid = GridType::create(tree);
     grid->setTransform(shape.transform().copy());
     return grid;
-}
-
-/// Sets every active voxel (there are no active tiles) to what a sampler says of its coordinate.
-template <class GridType, class MakeSampler>
-void setActive(GridType& grid, const MakeSampler& makeSampler) {
-    openvdb::tree::LeafManager<typename GridType::TreeType> leaves(grid.tree());
-    leaves.foreach ([&](auto& leaf, std::size_t) {
-        auto sample = makeSampler();  // one per leaf: samplers remember where they were, and are no use to two threads
-        for (auto on = leaf.beginValueOn(); on; ++on) on.setValue(sample(on.getCoord()));
-    });
 }
 
 /// Extinction-weighted average of the albedo: average of density x albedo over average of density.

@@ -1,17 +1,17 @@
 #include "raysweep/volume/voxel_check.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/parallel.h"
+#include "raysweep/volume/active_values.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <vector>
 
 namespace raysweep {
 namespace {
 
 using openvdb::Coord;
+using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::Index64;
 using openvdb::Vec3s;
@@ -61,14 +61,6 @@ float clampedToHalf(float v) {
     return fitsHalf(v) ? v : std::copysign(kLargestHalf, v);
 }
 
-template <class GridT>
-std::vector<const typename GridT::TreeType::LeafNodeType*> leavesOf(const GridT& grid) {
-    std::vector<const typename GridT::TreeType::LeafNodeType*> leaves;
-    leaves.reserve(grid.tree().leafCount());
-    grid.tree().getNodes(leaves);
-    return leaves;
-}
-
 template <class Value>
 struct Bad {
     Index64 count = 0;
@@ -87,18 +79,9 @@ struct Bad {
 template <class GridT, class Good>
 Bad<typename GridT::ValueType> findBad(const GridT& grid, const Good& good) {
     using Value = typename GridT::ValueType;
-    const auto leaves = leavesOf(grid);
-    auto bad = orderedSum<Bad<Value>>(leaves.size(), [&](std::size_t i) {
-        Bad<Value> inLeaf;
-        for (auto it = leaves[i]->cbeginValueOn(); it; ++it)
-            if (!holds(good, *it)) inLeaf.add(1, it.getCoord(), *it);
-        return inLeaf;
+    return sumOverActive<Bad<Value>>(grid, [&](Bad<Value>& bad, const Value& v, const CoordBBox& box) {
+        if (!holds(good, v)) bad.add(box.volume(), box.min(), v);
     });
-    auto tile = grid.cbeginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile)
-        if (!holds(good, *tile)) bad.add(tile.getVoxelCount(), tile.getCoord(), *tile);
-    return bad;
 }
 
 template <class GridT, class Good>
@@ -117,25 +100,11 @@ void requireAll(const GridT& grid, const Good& good, const std::string& what, co
 /// Applies `change` to the active values for which `good` does not hold. @return the number of voxels changed.
 template <class GridT, class Good, class Change>
 std::size_t changeBad(GridT& grid, const Good& good, const Change& change) {
-    std::vector<typename GridT::TreeType::LeafNodeType*> leaves;
-    grid.tree().getNodes(leaves);
-    std::size_t count = orderedSum<std::size_t>(leaves.size(), [&](std::size_t i) {
-        std::size_t inLeaf = 0;
-        for (auto it = leaves[i]->beginValueOn(); it; ++it) {
-            if (holds(good, *it)) continue;
-            it.setValue(changed(change, *it));
-            ++inLeaf;
-        }
-        return inLeaf;
+    return sumOverActive<std::size_t>(grid, [&](std::size_t& count, auto& v, const CoordBBox& box) {
+        if (holds(good, v)) return;
+        v = changed(change, v);
+        count += box.volume();
     });
-    auto tile = grid.beginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile) {
-        if (holds(good, *tile)) continue;
-        count += tile.getVoxelCount();
-        tile.setValue(changed(change, *tile));
-    }
-    return count;
 }
 
 constexpr const char* kRemedy = "repair the file, or use --repair to set such voxels to 0";
