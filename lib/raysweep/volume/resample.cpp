@@ -1,6 +1,7 @@
 #include "raysweep/volume/resample.h"
 
 #include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
@@ -14,14 +15,11 @@ namespace raysweep {
 namespace {
 
 using openvdb::FloatGrid;
-using openvdb::Vec3s;
-using openvdb::Vec3SGrid;
 
-float atMostOne(float v) {
-    return std::min(v, 1.0f);
-}
-Vec3s atMostOne(const Vec3s& v) {
-    return Vec3s(atMostOne(v[0]), atMostOne(v[1]), atMostOne(v[2]));
+template <class Value>
+Value atMostOne(Value v) {
+    for (int c = 0; c < kChannels<Value>; ++c) channel(v, c) = std::min(channel(v, c), 1.0f);
+    return v;
 }
 
 /// A grid of 0 with the active voxels of `shape`, tiles as voxels.

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 #include "raysweep/volume/resample.h"
 
 #include <algorithm>
@@ -15,20 +16,7 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::GridBase;
-using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
-
-template <class Value>
-constexpr int kChannels = 1;
-template <>
-constexpr int kChannels<Vec3s> = 3;
-
-float channel(float v, int) {
-    return v;
-}
-float channel(const Vec3s& v, int c) {
-    return v[c];
-}
 
 template <class Value>
 struct Range {

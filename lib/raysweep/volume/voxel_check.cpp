@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,27 +15,14 @@ using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::Index64;
-using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
 
-/// True if `good` holds for the value, or for each channel of a vector.
-template <class Good>
-bool holds(const Good& good, float v) {
-    return good(v);
-}
-template <class Good>
-bool holds(const Good& good, const Vec3s& v) {
-    return good(v[0]) && good(v[1]) && good(v[2]);
-}
-
-/// `change` applied to the value, or to each channel of a vector.
-template <class Change>
-float changed(const Change& change, float v) {
-    return change(v);
-}
-template <class Change>
-Vec3s changed(const Change& change, const Vec3s& v) {
-    return Vec3s(change(v[0]), change(v[1]), change(v[2]));
+/// True if `good` holds for each channel.
+template <class Good, class Value>
+bool holds(const Good& good, const Value& v) {
+    for (int c = 0; c < kChannels<Value>; ++c)
+        if (!good(channel(v, c))) return false;
+    return true;
 }
 
 // Written so that NaN fails.
@@ -100,9 +88,10 @@ void requireAll(const GridT& grid, const Good& good, const std::string& what, co
 /// Applies `change` to the active values for which `good` does not hold. @return the number of voxels changed.
 template <class GridT, class Good, class Change>
 std::size_t changeBad(GridT& grid, const Good& good, const Change& change) {
-    return sumOverActive<std::size_t>(grid, [&](std::size_t& count, auto& v, const CoordBBox& box) {
+    using Value = typename GridT::ValueType;
+    return sumOverActive<std::size_t>(grid, [&](std::size_t& count, Value& v, const CoordBBox& box) {
         if (holds(good, v)) return;
-        v = changed(change, v);
+        for (int c = 0; c < kChannels<Value>; ++c) channel(v, c) = change(channel(v, c));
         count += box.volume();
     });
 }
