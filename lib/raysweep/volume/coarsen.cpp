@@ -3,12 +3,12 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 #include "raysweep/volume/active_values.h"
 #include "raysweep/volume/grid_transform.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 namespace raysweep {
@@ -31,11 +31,7 @@ Vec3d inDouble(const Vec3s& v) {
 }
 
 void requireArguments(const openvdb::GridBase& grid, double resolution) {
-    if (!(resolution > 0 && resolution <= 1)) {
-        std::ostringstream message;
-        message << "resolution is " << resolution << "; it must be in (0, 1]";
-        throw InvalidArgument(message.str());
-    }
+    requireField(resolution > 0 && resolution <= 1, "resolution", resolution, "in (0, 1]");
     requireLinear(grid);
 }
 
