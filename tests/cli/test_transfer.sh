@@ -114,8 +114,8 @@ usage() {
 }
 usage "--ramp: a ramp from 1 to 1: both must be finite, and the first below the second" --ramp 1,1
 usage "--ramp: a ramp from 1 to 0.2" --ramp 1,0.2
-usage "opacity is 0; it must be in (0,1]" --ramp 0,1,0
-usage "opacity is 1.01; it must be in (0,1]" --ramp 0,1,1.01
+usage "opacity 0: must be in (0,1]" --ramp 0,1,0
+usage "opacity 1.01: must be in (0,1]" --ramp 0,1,1.01
 usage "'nan' in 'nan,1' is not a number" --ramp nan,1
 usage "'inf' in '0,inf' is not a number" --ramp 0,inf
 usage "'0' has 1 where 2 to 3 numbers" --ramp 0
@@ -133,7 +133,7 @@ refuse() {
 refuse "--transfer: cannot read 'missing.json': there is no such file" --transfer missing.json
 refuse "it is a folder" --transfer .
 echo '[{"value": 0, "opacity": 0.5}, {"value": 1, "opacity": 1.5}]' >bad.json
-refuse "cannot read 'bad.json': point 2: opacity is 1.5; it must be in [0,1]" --transfer bad.json
+refuse "cannot read 'bad.json': point 2: opacity 1.5: must be in [0,1]" --transfer bad.json
 echo '[{"value": 0, "opacity"' >bad.json
 refuse "'bad.json': it is not JSON: parse error at line 2" --transfer bad.json
 "$make_volume" frustum frustum.vdb

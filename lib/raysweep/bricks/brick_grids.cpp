@@ -3,6 +3,8 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 #include "raysweep/volume/grid_transform.h"
 
 #include <algorithm>
@@ -18,16 +20,6 @@ openvdb::Coord coordOf(const Index3& i) {
     return {i.x, i.y, i.z};
 }
 
-/// Calls `visit(box)` for the bounding box of every leaf with active voxels and every active tile.
-template <class GridType, class Visit>
-void forEachActiveBlock(const GridType& grid, const Visit& visit) {
-    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
-        if (!leaf->isEmpty()) visit(leaf->getNodeBoundingBox());
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(GridType::TreeType::DEPTH - 2);
-    for (; tile; ++tile) visit(tile.getBoundingBox());
-}
-
 std::size_t brickCountOf(const openvdb::CoordBBox& box) {
     const openvdb::Coord size = box.dim();
     return (std::size_t(size.x()) / kBrickEdge) * (std::size_t(size.y()) / kBrickEdge) *
@@ -38,6 +30,33 @@ void addBricks(const openvdb::CoordBBox& box, std::vector<Index3>& origins) {
     for (int x = box.min().x(); x <= box.max().x(); x += kBrickEdge)
         for (int y = box.min().y(); y <= box.max().y(); y += kBrickEdge)
             for (int z = box.min().z(); z <= box.max().z(); z += kBrickEdge) origins.emplace_back(x, y, z);
+}
+
+/// Adds the bricks of every leaf with active voxels and of every active tile.
+template <class GridType>
+void addActiveBricks(const GridType& grid, std::size_t bytesPerVoxel, std::vector<Index3>& origins) {
+    const auto blocks = activeBlocks(grid);
+    std::size_t bricks = 0;
+    for (const auto& block : blocks)
+        if (!block.isEmpty()) bricks += brickCountOf(block.box);
+    requireMemory(double(bricks), bytesPerVoxel);
+    origins.reserve(origins.size() + bricks);
+    for (const auto& block : blocks)
+        if (!block.isEmpty()) addBricks(block.box, origins);
+}
+
+/// Sets the bounding box of bricks that are not none.
+void setBounds(BrickLayout& layout) {
+    layout.low = layout.high = layout.origins.front();
+    for (const Index3& origin : layout.origins)
+        for (int axis = 0; axis < 3; ++axis) {
+            layout.low[axis] = std::min(layout.low[axis], origin[axis]);
+            layout.high[axis] = std::max(layout.high[axis], origin[axis] + kBrickEdge);
+        }
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::int64_t(layout.high[axis]) - layout.low[axis] > kLongestEdge)
+            throw InvalidArgument("the volume's active voxels are more than " + std::to_string(kLongestEdge) +
+                                  " voxels apart; remove stray voxels or use a coarser grid");
 }
 
 Matrix3 linearPart(const openvdb::GridBase& grid) {
@@ -76,8 +95,8 @@ class BrickReader {
     typename GridType::ConstUnsafeAccessor accessor_;
 };
 
-template <class GridType, class Convert>
-BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert& convert) {
+template <class GridType>
+BrickField gather(const BrickLayout& layout, const GridType& grid, int c, double scale) {
     BrickField field(layout.brickCount());
     constexpr std::size_t kChunk = 64;
     parallelFor((layout.brickCount() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
@@ -85,8 +104,9 @@ BrickField gather(const BrickLayout& layout, const GridType& grid, const Convert
         const std::size_t end = std::min(layout.brickCount(), (chunk + 1) * kChunk);
         for (std::size_t b = chunk * kChunk; b < end; ++b) {
             float* brick = field.brick(b);
-            reader.read(layout.origins[b],
-                        [&](openvdb::Index offset, const auto& value) { brick[offset] = convert(value); });
+            reader.read(layout.origins[b], [&](openvdb::Index offset, const auto& value) {
+                brick[offset] = float(channel(value, c) * scale);
+            });
         }
     });
     return field;
@@ -101,42 +121,21 @@ BrickLayout layoutBricks(const std::vector<openvdb::GridBase::ConstPtr>& grids, 
     layout.activeVoxels = grids.front()->activeVoxelCount();
     for (const auto& grid : grids) {
         requireSameTransform(*grid, *grids.front());
-        withTypedGrid(*grid, [&](const auto& typed) {
-            std::size_t bricks = 0;
-            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { bricks += brickCountOf(box); });
-            requireMemory(double(bricks), bytesPerVoxel);
-            layout.origins.reserve(layout.origins.size() + bricks);
-            forEachActiveBlock(typed, [&](const openvdb::CoordBBox& box) { addBricks(box, layout.origins); });
-        });
+        withTypedGrid(*grid, [&](const auto& typed) { addActiveBricks(typed, bytesPerVoxel, layout.origins); });
     }
     std::sort(layout.origins.begin(), layout.origins.end(), lessOrigin);
     layout.origins.erase(std::unique(layout.origins.begin(), layout.origins.end()), layout.origins.end());
-
     requireMemory(double(layout.origins.size()), bytesPerVoxel);
-
-    if (layout.origins.empty()) return layout;
-    layout.low = layout.high = layout.origins.front();
-    for (const Index3& origin : layout.origins)
-        for (int axis = 0; axis < 3; ++axis) {
-            layout.low[axis] = std::min(layout.low[axis], origin[axis]);
-            layout.high[axis] = std::max(layout.high[axis], origin[axis] + kBrickEdge);
-        }
-    for (int axis = 0; axis < 3; ++axis)
-        if (std::int64_t(layout.high[axis]) - layout.low[axis] > kLongestEdge)
-            throw InvalidArgument("the volume's active voxels are more than " + std::to_string(kLongestEdge) +
-                                  " voxels apart; remove stray voxels or use a coarser grid");
+    if (!layout.origins.empty()) setBounds(layout);
     return layout;
 }
 
 BrickField gatherField(const BrickLayout& layout, const openvdb::FloatGrid& grid, double scale) {
-    return gather(layout, grid, [scale](float value) { return float(value * scale); });
+    return gather(layout, grid, 0, scale);
 }
 
 BrickField gatherChannel(const BrickLayout& layout, const openvdb::GridBase& grid, int channel, double scale) {
-    if (grid.isType<openvdb::FloatGrid>())
-        return gatherField(layout, static_cast<const openvdb::FloatGrid&>(grid), scale);
-    return gather(layout, dynamic_cast<const openvdb::Vec3SGrid&>(grid),
-                  [channel, scale](const openvdb::Vec3s& value) { return float(value[channel] * scale); });
+    return withTypedGrid(grid, [&](const auto& typed) { return gather(layout, typed, channel, scale); });
 }
 
 BrickMask activeMask(const BrickLayout& layout, const openvdb::FloatGrid& topology, std::size_t b) {

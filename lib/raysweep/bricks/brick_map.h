@@ -16,6 +16,11 @@ inline std::size_t offsetInBrick(const Index3& voxel) {
     return std::size_t((voxel.x & 7) << 6 | (voxel.y & 7) << 3 | (voxel.z & 7));
 }
 
+/// The voxel at an offset: offsetInBrick the other way round.
+inline Index3 voxelInBrick(int offset) {
+    return {offset >> 6, (offset >> 3) & 7, offset & 7};
+}
+
 /// A brick's origin one brick outside of the bounding box, where that is periodic, as the one inside that it repeats.
 inline Index3 wrapped(const BrickLayout& layout, const Periodic& periodic, Index3 origin) {
     for (int axis = 0; axis < 3; ++axis) {

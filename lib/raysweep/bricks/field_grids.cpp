@@ -1,7 +1,9 @@
 #include "raysweep/bricks/field_grids.h"
 
 #include "raysweep/bricks/brick_map.h"
+#include "raysweep/bricks/sides.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/channels.h"
 
 #include <algorithm>
 
@@ -9,22 +11,12 @@ namespace raysweep {
 namespace {
 
 using openvdb::Coord;
-using openvdb::Vec3s;
-
-// Channels of a value, alike for scalars and colours.
-void setChannel(float& value, int, float x) {
-    value = x;
-}
-void setChannel(Vec3s& value, int c, float x) {
-    value[c] = x;
-}
-template <class ValueType>
-constexpr int channelCount() {
-    return std::is_same<ValueType, float>::value ? 1 : 3;
-}
 
 template <class GridType>
 using LeafOf = typename GridType::TreeType::LeafNodeType;
+
+template <class GridType>
+constexpr int kGridChannels = kChannels<typename GridType::ValueType>;
 
 /// A grid of the leaves that `leafOf(n)` gives, several at a time; null for those that are not needed.
 template <class GridType, class LeafOfNumber>
@@ -48,44 +40,32 @@ LeafOf<GridType>* makeLeaf(const Index3& origin, const BrickMask& on) {
     return leaf;
 }
 
+/// What the fields have at voxel `i` of brick `b`.
+template <class GridType>
+typename GridType::ValueType valueIn(const std::vector<BrickField>& fields, std::size_t b, std::size_t i) {
+    typename GridType::ValueType value;
+    for (int c = 0; c < kGridChannels<GridType>; ++c) channel(value, c) = fields[std::size_t(c)].brick(b)[i];
+    return value;
+}
+
 template <class GridType>
 typename GridType::Ptr plainGrid(const BrickLayout& layout, const openvdb::FloatGrid& topology,
                                  const std::vector<BrickField>& fields) {
-    constexpr int kChannels = channelCount<typename GridType::ValueType>();
     return gridOfLeaves<GridType>(topology, layout.brickCount(), [&](std::size_t b) -> LeafOf<GridType>* {
         const BrickMask mask = activeMask(layout, topology, b);
         if (mask.isOff()) return nullptr;
         auto* const leaf = makeLeaf<GridType>(layout.origins[b], mask);
         auto* const values = leaf->buffer().data();
-        for (auto on = mask.beginOn(); on; ++on)
-            for (int c = 0; c < kChannels; ++c)
-                setChannel(values[on.pos()], c, fields[std::size_t(c)].brick(b)[on.pos()]);
+        for (auto on = mask.beginOn(); on; ++on) values[on.pos()] = valueIn<GridType>(fields, b, on.pos());
         return leaf;
     });
 }
 
-/// Voxels of a brick, along an axis, that touch its neighbour on `side` (-1, 0, 1).
-int firstTouching(int side) {
-    return side > 0 ? kBrickEdge - 1 : 0;
-}
-int lastTouching(int side) {
-    return side < 0 ? 0 : kBrickEdge - 1;
-}
-
 /// True if a voxel that is on touches the brick's neighbour on `side`.
 bool touches(const BrickMask& mask, const Index3& side) {
-    for (int x = firstTouching(side.x); x <= lastTouching(side.x); ++x)
-        for (int y = firstTouching(side.y); y <= lastTouching(side.y); ++y)
-            for (int z = firstTouching(side.z); z <= lastTouching(side.z); ++z)
-                if (mask.isOn(openvdb::Index(offsetInBrick(Index3(x, y, z))))) return true;
-    return false;
-}
-
-template <class Visit>
-void forEachSide(const Visit& visit) {
-    for (int i = -1; i <= 1; ++i)
-        for (int j = -1; j <= 1; ++j)
-            for (int k = -1; k <= 1; ++k) visit(Index3(i, j, k));
+    bool any = false;
+    forEachTouching(side, [&](const Index3& voxel) { any |= mask.isOn(openvdb::Index(offsetInBrick(voxel))); });
+    return any;
 }
 
 /// Radiosity before it is extended: where voxels are active, and what is known of them.
@@ -105,6 +85,7 @@ struct Known {
     bool isKnown(std::uint32_t b, int i) const {
         return b != kNoBrick && active[b].isOn(openvdb::Index(i)) && !(fields[0].brick(b)[i] < 0);
     }
+    bool hasActive(std::uint32_t b) const { return b != kNoBrick && !active[b].isOff(); }
     bool isComplete(std::uint32_t b) const {
         if (b == kNoBrick || !active[b].isOn()) return false;
         const float* const values = fields[0].brick(b);
@@ -118,8 +99,7 @@ struct Known {
             forEachSide([&](const Index3& side) {
                 const Index3 origin = layout.origins[b] + side * kBrickEdge;
                 // Most neighbours hold active voxels of their own and add themselves.
-                const std::uint32_t own = map.find(origin);
-                if ((side == Index3(0) || own == kNoBrick || active[own].isOff()) && touches(active[b], side))
+                if (side == Index3(0) ? !active[b].isOff() : !hasActive(map.find(origin)) && touches(active[b], side))
                     origins.push_back(origin);
             });
         std::sort(origins.begin(), origins.end(), lessOrigin);
@@ -130,7 +110,7 @@ struct Known {
 
 /// Voxels of a leaf and those around it: the number of active ones, of known ones, and the known values, each first of
 /// the voxel itself and then summed over it and its 26 neighbours.
-template <int kChannels>
+template <int kChannelCount>
 class Neighbourhood {
   public:
     Neighbourhood(const Known& known, const Index3& origin) {
@@ -141,12 +121,12 @@ class Neighbourhood {
         for (auto& plane : sum_) addNeighbours(plane);
     }
 
-    bool isOn(int x, int y, int z) const { return sum_[kActive][x][y][z] > 0; }
+    bool isOn(const Index3& v) const { return sum_[kActive][v.x][v.y][v.z] > 0; }
 
     /// The mean of the known values around; 0 if there are none.
-    float mean(int channel, int x, int y, int z) const {
-        const float count = sum_[kIsKnown][x][y][z];
-        return count > 0 ? sum_[kValue + channel][x][y][z] / count : 0.0f;
+    float mean(int channel, const Index3& v) const {
+        const float count = sum_[kIsKnown][v.x][v.y][v.z];
+        return count > 0 ? sum_[kValue + channel][v.x][v.y][v.z] / count : 0.0f;
     }
 
   private:
@@ -156,18 +136,16 @@ class Neighbourhood {
 
     void copyFrom(const Known& known, std::uint32_t b, const Index3& side) {
         const BrickMask& active = known.active[b];
-        const Index3 to = side * kBrickEdge + Index3(1);
-        for (int x = firstTouching(-side.x); x <= lastTouching(-side.x); ++x)
-            for (int y = firstTouching(-side.y); y <= lastTouching(-side.y); ++y)
-                for (int z = firstTouching(-side.z); z <= lastTouching(-side.z); ++z) {
-                    const std::size_t i = offsetInBrick(Index3(x, y, z));
-                    if (!active.isOn(openvdb::Index(i))) continue;
-                    sum_[kActive][x + to.x][y + to.y][z + to.z] = 1;
-                    if (known.fields[0].brick(b)[i] < 0) continue;
-                    sum_[kIsKnown][x + to.x][y + to.y][z + to.z] = 1;
-                    for (int c = 0; c < kChannels; ++c)
-                        sum_[kValue + c][x + to.x][y + to.y][z + to.z] = known.fields[std::size_t(c)].brick(b)[i];
-                }
+        forEachTouching(side * -1, [&](const Index3& voxel) {
+            const std::size_t i = offsetInBrick(voxel);
+            if (!active.isOn(openvdb::Index(i))) return;
+            const Index3 to = voxel + side * kBrickEdge + Index3(1);
+            sum_[kActive][to.x][to.y][to.z] = 1;
+            if (!known.isKnown(b, int(i))) return;
+            sum_[kIsKnown][to.x][to.y][to.z] = 1;
+            for (int c = 0; c < kChannelCount; ++c)
+                sum_[kValue + c][to.x][to.y][to.z] = known.fields[std::size_t(c)].brick(b)[i];
+        });
     }
 
     /// Axis by axis; what belongs to voxel (x,y,z) of the leaf then stands at [x][y][z].
@@ -183,34 +161,32 @@ class Neighbourhood {
                 for (int z = 0; z < kBrickEdge; ++z) cube[x][y][z] += cube[x + 1][y][z] + cube[x + 2][y][z];
     }
 
-    Cube sum_[2 + kChannels] = {};
+    Cube sum_[2 + kChannelCount] = {};
 };
 
 template <class GridType>
 LeafOf<GridType>* filledLeaf(const Known& known, std::uint32_t b) {
     auto* const leaf = makeLeaf<GridType>(known.layout.origins[b], known.active[b]);
     auto* const values = leaf->buffer().data();
-    for (int i = 0; i < kBrickVoxels; ++i)
-        for (int c = 0; c < channelCount<typename GridType::ValueType>(); ++c)
-            setChannel(values[i], c, known.fields[std::size_t(c)].brick(b)[i]);
+    for (std::size_t i = 0; i < kBrickVoxels; ++i) values[i] = valueIn<GridType>(known.fields, b, i);
     return leaf;
 }
 
 template <class GridType>
 LeafOf<GridType>* extendedLeaf(const Known& known, const Index3& origin) {
-    constexpr int kChannels = channelCount<typename GridType::ValueType>();
     const std::uint32_t b = known.map.find(origin);
     if (known.isComplete(b)) return filledLeaf<GridType>(known, b);
-    const Neighbourhood<kChannels> around(known, origin);
+    const Neighbourhood<kGridChannels<GridType>> around(known, origin);
     auto* const leaf = makeLeaf<GridType>(origin, BrickMask());
     auto* const values = leaf->buffer().data();
     for (int i = 0; i < kBrickVoxels; ++i) {
-        const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
-        if (!around.isOn(x, y, z)) continue;
+        const Index3 voxel = voxelInBrick(i);
+        if (!around.isOn(voxel)) continue;
         leaf->setValueOn(openvdb::Index(i));
-        const bool own = known.isKnown(b, i);
-        for (int c = 0; c < kChannels; ++c)
-            setChannel(values[i], c, own ? known.fields[std::size_t(c)].brick(b)[i] : around.mean(c, x, y, z));
+        if (known.isKnown(b, i))
+            values[i] = valueIn<GridType>(known.fields, b, std::size_t(i));
+        else
+            for (int c = 0; c < kGridChannels<GridType>; ++c) channel(values[i], c) = around.mean(c, voxel);
     }
     return leaf;
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "raysweep/bricks/brick_map.h"
-#include "raysweep/bricks/bricks.h"
+#include "raysweep/bricks/sides.h"
 
 namespace raysweep {
 
@@ -16,15 +16,11 @@ struct PaddedBrick {
     template <class ValuesOf>
     PaddedBrick(const BrickLayout& layout, const BrickMap& map, const Periodic& periodic, std::size_t b,
                 const ValuesOf& valuesOf) {
-        for (int i = -1; i <= 1; ++i)
-            for (int j = -1; j <= 1; ++j)
-                for (int k = -1; k <= 1; ++k) {
-                    const Index3 side(i, j, k);
-                    const std::uint32_t neighbour =
-                        map.find(wrapped(layout, periodic, layout.origins[b] + side * kBrickEdge));
-                    const T* const from = neighbour == kNoBrick ? nullptr : valuesOf(neighbour);
-                    if (from) copyFrom(from, side);
-                }
+        forEachSide([&](const Index3& side) {
+            const std::uint32_t neighbour = map.find(wrapped(layout, periodic, layout.origins[b] + side * kBrickEdge));
+            const T* const from = neighbour == kNoBrick ? nullptr : valuesOf(neighbour);
+            if (from) copyFrom(from, side);
+        });
     }
 
     /// Value of voxel (x,y,z) of the brick, each in [-1, 8].
@@ -33,22 +29,17 @@ struct PaddedBrick {
     /// Calls `visit(x, y, z)` for voxel `i` (an offset) of the brick and its 26 neighbours.
     template <class Visit>
     static void forEachAround(int i, const Visit& visit) {
-        const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
-        for (int dx = -1; dx <= 1; ++dx)
-            for (int dy = -1; dy <= 1; ++dy)
-                for (int dz = -1; dz <= 1; ++dz) visit(x + dx, y + dy, z + dz);
+        const Index3 voxel = voxelInBrick(i);
+        forEachSide([&](const Index3& side) { visit(voxel.x + side.x, voxel.y + side.y, voxel.z + side.z); });
     }
 
   private:
     /// Takes the voxels of the neighbour on `side` that touch the brick.
     void copyFrom(const T* from, const Index3& side) {
-        const auto first = [&](int axis) { return side[axis] < 0 ? kBrickEdge - 1 : 0; };
-        const auto last = [&](int axis) { return side[axis] > 0 ? 0 : kBrickEdge - 1; };
         const Index3 to = side * kBrickEdge + Index3(1);
-        for (int x = first(0); x <= last(0); ++x)
-            for (int y = first(1); y <= last(1); ++y)
-                for (int z = first(2); z <= last(2); ++z)
-                    value[x + to.x][y + to.y][z + to.z] = from[x << 6 | y << 3 | z];
+        forEachTouching(side * -1, [&](const Index3& voxel) {
+            value[voxel.x + to.x][voxel.y + to.y][voxel.z + to.z] = from[offsetInBrick(voxel)];
+        });
     }
 };
 

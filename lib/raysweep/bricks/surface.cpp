@@ -23,9 +23,9 @@ bool findInBrick(const BrickLayout& layout, const BrickMap& map, const BrickFiel
                    [&](float t) { return float(-std::expm1(-double(t) * perVoxel)); });
     bool any = false;
     for (int i = 0; i < kBrickVoxels; ++i) {
-        const int x = i >> 6, y = (i >> 3) & 7, z = i & 7;
-        if (opacity.at(x, y, z) == 0) continue;
-        const Vec3 gradient = worldGradient(gradientAt(opacity, x, y, z), indexFromWorld);
+        const Index3 v = voxelInBrick(i);
+        if (opacity.at(v.x, v.y, v.z) == 0) continue;
+        const Vec3 gradient = worldGradient(gradientAt(opacity, v.x, v.y, v.z), indexFromWorld);
         const double length = gradient.length();
         if (!(length * edge > threshold)) continue;
         normals.normal[i] = packNormal(gradient / -length);

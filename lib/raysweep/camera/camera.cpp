@@ -1,6 +1,7 @@
 #include "raysweep/camera/camera.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,16 +23,14 @@ std::string text(const Value& value) {
 
 /// Everything but where the camera stands.
 void requireLens(const Camera& camera) {
-    if (camera.width <= 0 || camera.height <= 0)
-        throw InvalidArgument("camera size " + text(camera.width) + "x" + text(camera.height) +
-                              ": both must be at least 1 pixel");
-    if (camera.projection == Camera::Projection::Perspective && !(camera.fov > 0 && camera.fov < 180))
-        throw InvalidArgument("camera fov " + text(camera.fov) + ": must lie between 0 and 180 degrees");
-    if (camera.projection == Camera::Projection::Orthographic &&
-        !(camera.orthoWidth > 0 && std::isfinite(camera.orthoWidth)))
-        throw InvalidArgument("camera orthoWidth " + text(camera.orthoWidth) + ": must be positive and finite");
-    if (!isFinite(camera.up) || !(camera.up.length() > 0))
-        throw InvalidArgument("camera up " + text(camera.up) + ": must be finite and not zero");
+    requireField(camera.width > 0, "camera width", camera.width, "at least 1 pixel");
+    requireField(camera.height > 0, "camera height", camera.height, "at least 1 pixel");
+    if (camera.projection == Camera::Projection::Perspective)
+        requireField(camera.fov > 0 && camera.fov < 180, "camera fov", camera.fov, "between 0 and 180 degrees");
+    else
+        requireField(camera.orthoWidth > 0 && std::isfinite(camera.orthoWidth), "camera orthoWidth", camera.orthoWidth,
+                     "positive and finite");
+    requireField(isFinite(camera.up) && camera.up.length() > 0, "camera up", camera.up, "finite and not zero");
 }
 
 /// Room left around the box, as a factor on its size in the picture.
@@ -47,8 +46,8 @@ Vec3 rightOf(const Vec3& up) {
 
 void Camera::validate() const {
     requireLens(*this);
-    if (!isFinite(eye) || !isFinite(target))
-        throw InvalidArgument("camera eye " + text(eye) + " and target " + text(target) + ": must be finite");
+    requireField(isFinite(eye), "camera eye", eye, "finite");
+    requireField(isFinite(target), "camera target", target, "finite");
     const Vec3 view = target - eye;
     if (!(view.length() > 0))
         throw InvalidArgument("camera eye and target are the same point " + text(eye) + ": move one of them");

@@ -1,6 +1,7 @@
 #include "raysweep/formats/volume_import.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 #include "raysweep/formats/stored_grid.h"
 #include "raysweep/formats/volume_files.h"
 
@@ -90,21 +91,18 @@ void chooseMapping(const ImportOptions& options, bool calibrated, ImportedVolume
 }  // namespace
 
 void ImportOptions::validate() const {
-    const auto require = [](bool holds, const std::string& field, double value, const std::string& bound) {
-        if (!holds) throw InvalidArgument(field + " is " + std::to_string(value) + ", but must be " + bound);
-    };
     constexpr double kLargest = std::numeric_limits<float>::max();
-    require(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "finite and not negative");
-    require(std::abs(background) <= kLargest, "background", background, "finite, and fit a 32 bit float");
-    require(!scale || std::isfinite(*scale), "scale", scale.value_or(0), "finite");
-    require(!offset || std::isfinite(*offset), "offset", offset.value_or(0), "finite");
+    requireField(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "finite and not negative");
+    requireField(std::abs(background) <= kLargest, "background", background, "finite, and fit a 32 bit float");
+    requireField(!scale || std::isfinite(*scale), "scale", scale.value_or(0), "finite");
+    requireField(!offset || std::isfinite(*offset), "offset", offset.value_or(0), "finite");
     for (int axis = 0; axis < 3; ++axis) {
         if (spacing)
-            require((*spacing)[axis] > 0 && std::isfinite((*spacing)[axis]), "spacing", (*spacing)[axis],
-                    "larger than 0");
+            requireField((*spacing)[axis] > 0 && std::isfinite((*spacing)[axis]), "spacing", (*spacing)[axis],
+                         "larger than 0");
         if (!crop) continue;
-        require(crop->low[axis] >= 0, "crop", crop->low[axis], "0 or larger");
-        require(crop->high[axis] >= crop->low[axis], "crop", crop->high[axis], "not less than where it begins");
+        requireField(crop->low[axis] >= 0, "crop", crop->low[axis], "0 or larger");
+        requireField(crop->high[axis] >= crop->low[axis], "crop", crop->high[axis], "not less than where it begins");
     }
 }
 

@@ -1,6 +1,7 @@
 #include "raysweep/phantoms/engine_room.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 #include "raysweep/phantoms/engine_block.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
@@ -28,10 +29,6 @@ constexpr int kPaperSize = 276;
 
 /// Paint in a Cornell box.
 const Vec3s kGrey(0.75f), kRed(0.65f, 0.06f, 0.05f), kGreen(0.12f, 0.45f, 0.10f);
-
-void require(bool holds, const std::string& field, double value, const std::string& bound) {
-    if (!holds) throw InvalidArgument(field + " is " + std::to_string(value) + ", but must be " + bound);
-}
 
 int longestOf(const Coord& dims) {
     return std::max({dims.x(), dims.y(), dims.z()});
@@ -143,7 +140,7 @@ Engine cutEngine(const EngineRoomOptions& options) {
         throw InvalidArgument("size is " + std::to_string(options.size) + ", but the volume is " +
                               std::to_string(longest) + " voxels long, which makes a room of at most " +
                               std::to_string(longest + margin(options)) + "; a volume is not made finer");
-    require(wanted <= kMost, "the volume's longest edge", wanted, "at most 4096 voxels; give a size");
+    requireField(wanted <= kMost, "the volume's longest edge", wanted, "at most 4096 voxels; give a size");
     copyActive(given, box, Coord(0), *engine.grid);
     if (wanted == longest) return engine;
     const double resolution = double(wanted) / longest;
@@ -229,15 +226,16 @@ void addAlbedo(const EngineRoomOptions& options, EngineRoom& room) {
 }  // namespace
 
 void EngineRoomOptions::validate() const {
-    require(wall >= 2 && wall <= 64, "wall", wall, "in [2,64]");
+    requireField(wall >= 2 && wall <= 64, "wall", wall, "in [2,64]");
     const int least = kLeast + margin(*this);
-    require(size == 0 || (size >= least && size <= kMost + margin(*this)), "size", size,
-            "in [" + std::to_string(least) + "," + std::to_string(kMost + margin(*this)) + "] with walls of " +
-                std::to_string(wall));
-    require(voxelSize >= 0 && std::isfinite(voxelSize), "voxelSize", voxelSize, "0 (automatic) or larger");
-    require(radiance >= 0 && std::isfinite(radiance), "radiance", radiance, "finite and not negative");
+    requireField(size == 0 || (size >= least && size <= kMost + margin(*this)), "size", size,
+                 "in [" + std::to_string(least) + "," + std::to_string(kMost + margin(*this)) + "] with walls of " +
+                     std::to_string(wall));
+    requireField(voxelSize >= 0 && std::isfinite(voxelSize), "voxelSize", voxelSize, "0 (automatic) or larger");
+    requireField(radiance >= 0 && std::isfinite(radiance), "radiance", radiance, "finite and not negative");
     if (slices)
-        require(slices->second >= slices->first, "the last of the slices", slices->second, "at or behind the first");
+        requireField(slices->second >= slices->first, "the last of the slices", slices->second,
+                     "at or behind the first");
 }
 
 EngineRoom makeEngineRoom(const EngineRoomOptions& options) {

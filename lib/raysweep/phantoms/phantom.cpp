@@ -1,6 +1,7 @@
 #include "raysweep/phantoms/phantom.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 #include "raysweep/core/types.h"
 #include "raysweep/phantoms/cloud_shape.h"
 #include "raysweep/phantoms/leaf_fill.h"
@@ -15,10 +16,6 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
-
-void require(bool holds, const std::string& field, double value, const std::string& bound) {
-    if (!holds) throw InvalidArgument(field + " is " + std::to_string(value) + ", but must be " + bound);
-}
 
 FloatGrid::Ptr makeGrid(const PhantomOptions& options, const Coord& box) {
     const int longest = std::max({box.x(), box.y(), box.z()});
@@ -39,13 +36,13 @@ FillRegion regionOf(const Coord& box) {
 }  // namespace
 
 void PhantomOptions::validate() const {
-    require(size >= 2 && size <= 4096, "size", size, "in [2,4096]");
-    require(voxelSize >= 0 && std::isfinite(voxelSize), "voxelSize", voxelSize, "0 (automatic) or larger");
-    require(density > 0 && std::isfinite(density), "density", density, "larger than 0");
-    require(soft >= 0 && soft <= 0.5 * size, "soft", soft, "in [0,size/2]");
+    requireField(size >= 2 && size <= 4096, "size", size, "in [2,4096]");
+    requireField(voxelSize >= 0 && std::isfinite(voxelSize), "voxelSize", voxelSize, "0 (automatic) or larger");
+    requireField(density > 0 && std::isfinite(density), "density", density, "larger than 0");
+    requireField(soft >= 0 && soft <= 0.5 * size, "soft", soft, "in [0,size/2]");
     const bool automatic = dims == Coord(0, 0, 0);
     for (int axis = 0; axis < 3 && !automatic; ++axis)
-        require(dims[axis] >= 1 && dims[axis] <= 4096, "dims", dims[axis], "in [1,4096] on each axis");
+        requireField(dims[axis] >= 1 && dims[axis] <= 4096, "dims", dims[axis], "in [1,4096] on each axis");
 }
 
 FloatGrid::Ptr makeSphere(const PhantomOptions& options) {

@@ -1,6 +1,6 @@
 #include "raysweep/phantoms/solid_shapes.h"
 
-#include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 #include "raysweep/phantoms/leaf_fill.h"
 
 #include <openvdb/tools/Prune.h>
@@ -190,11 +190,8 @@ double lineIntegral(const std::vector<SolidShape>& shapes, const Vec3& origin, c
 
 openvdb::FloatGrid::Ptr voxelize(const std::vector<SolidShape>& shapes, const openvdb::Coord& dims, double voxelSize) {
     for (int axis = 0; axis < 3; ++axis)
-        if (dims[axis] < 1)
-            throw InvalidArgument("dims[" + std::to_string(axis) + "] is " + std::to_string(dims[axis]) +
-                                  ", but must be at least 1");
-    if (!(voxelSize > 0 && std::isfinite(voxelSize)))
-        throw InvalidArgument("voxelSize is " + std::to_string(voxelSize) + ", but must be positive and finite");
+        requireField(dims[axis] >= 1, "dims[" + std::to_string(axis) + "]", dims[axis], "at least 1");
+    requireField(voxelSize > 0 && std::isfinite(voxelSize), "voxelSize", voxelSize, "positive and finite");
     const double h = voxelSize;
     const Vec3 middle = Vec3(dims.x() - 1, dims.y() - 1, dims.z() - 1) * 0.5;
     const auto grid = openvdb::FloatGrid::create(0.0f);

@@ -5,6 +5,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
 #include "raysweep/render/block_steps.h"
 #include "raysweep/render/cell_blocks.h"
 #include "raysweep/render/occupancy.h"
@@ -17,7 +18,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <sstream>
 
 namespace raysweep {
 namespace {
@@ -324,28 +324,19 @@ void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
 void requireInput(const RenderInput& input) {
     if (!input.density) throw InvalidArgument("render: no density grid is given");
     if (!input.radiosity) throw InvalidArgument("render: no radiosity grid is given; light the volume first");
-    if (!(input.extinctionScale >= 0 && std::isfinite(input.extinctionScale))) {
-        std::ostringstream message;
-        message << "extinctionScale " << input.extinctionScale << ": must be finite and not negative";
-        throw InvalidArgument(message.str());
-    }
+    requireField(input.extinctionScale >= 0 && std::isfinite(input.extinctionScale), "extinctionScale",
+                 input.extinctionScale, "finite and not negative");
 }
 
 }  // namespace
 
 void RenderOptions::validate() const {
-    const auto require = [](bool good, const char* field, double value, const char* bound) {
-        if (good) return;
-        std::ostringstream message;
-        message << field << " " << value << ": must " << bound;
-        throw InvalidArgument(message.str());
-    };
-    require(step > 0 && step <= 8, "step", step, "be above 0 and at most 8 voxels");
-    require(samples >= 1 && samples <= 64, "samples", samples, "lie between 1 and 64 per side of a pixel");
-    require(minTransmittance >= 0 && minTransmittance < 1, "minTransmittance", minTransmittance, "be in [0,1)");
+    requireField(step > 0 && step <= 8, "step", step, "above 0 and at most 8 voxels");
+    requireField(samples >= 1 && samples <= 64, "samples", samples, "between 1 and 64 per side of a pixel");
+    requireField(minTransmittance >= 0 && minTransmittance < 1, "minTransmittance", minTransmittance, "in [0,1)");
     for (int c = 0; c < 3; ++c)
-        require(background[c] >= 0 && std::isfinite(background[c]), "background", background[c],
-                "be finite and not negative");
+        requireField(background[c] >= 0 && std::isfinite(background[c]), "background", background[c],
+                     "finite and not negative");
 }
 
 RenderVolume::RenderVolume(const RenderInput& input) {

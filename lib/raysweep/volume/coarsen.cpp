@@ -3,11 +3,12 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/require.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/grid_transform.h"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 namespace raysweep {
@@ -30,11 +31,7 @@ Vec3d inDouble(const Vec3s& v) {
 }
 
 void requireArguments(const openvdb::GridBase& grid, double resolution) {
-    if (!(resolution > 0 && resolution <= 1)) {
-        std::ostringstream message;
-        message << "resolution is " << resolution << "; it must be in (0, 1]";
-        throw InvalidArgument(message.str());
-    }
+    requireField(resolution > 0 && resolution <= 1, "resolution", resolution, "in (0, 1]");
     requireLinear(grid);
 }
 
@@ -58,24 +55,8 @@ struct Row {
     double share(int c) const { return std::max(0.0, std::min(high, c + 1.0) - std::max(low, double(c))); }
 };
 
-/// A leaf, or an active tile.
 template <class GridType>
-struct Block {
-    CoordBBox box;
-    const typename GridType::TreeType::LeafNodeType* leaf;  ///< null: a tile
-    typename GridType::ValueType value;                     ///< of the tile
-};
-
-template <class GridType>
-std::vector<Block<GridType>> activeBlocks(const GridType& grid) {
-    std::vector<Block<GridType>> blocks;
-    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf)
-        if (!leaf->isEmpty()) blocks.push_back({leaf->getNodeBoundingBox(), leaf.getLeaf(), grid.background()});
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(GridType::TreeType::DEPTH - 2);
-    for (; tile; ++tile) blocks.push_back({tile.getBoundingBox(), nullptr, *tile});
-    return blocks;
-}
+using Block = ActiveBlock<const GridType>;
 
 /// Fine block `block` overlaps the coarse leaf at `leaf`.
 struct Meeting {
@@ -106,10 +87,11 @@ template <class GridType>
 std::vector<Meeting> meetings(const std::vector<Block<GridType>>& blocks, double resolution) {
     double ofTiles = 0;  // few tiles can stand for more voxels than the machine can hold
     for (const auto& block : blocks)
-        if (!block.leaf) ofTiles += countOf(leavesAt(block.box, resolution));
+        if (block.tile) ofTiles += countOf(leavesAt(block.box, resolution));
     requireMemory(ofTiles, sizeof(typename GridType::ValueType));
     std::vector<Meeting> all;
     for (std::size_t b = 0; b < blocks.size(); ++b) {
+        if (blocks[b].isEmpty()) continue;
         const CoordBBox leaves = leavesAt(blocks[b].box, resolution);
         for (int x = leaves.min().x(); x <= leaves.max().x(); x += kLeafEdge)
             for (int y = leaves.min().y(); y <= leaves.max().y(); y += kLeafEdge)
@@ -130,14 +112,15 @@ class LeafSums {
 
     void add(const Block<GridType>& block) {
         const Coord low = block.box.min(), high = block.box.max();
-        if (!block.leaf)
-            return addBox(row(0, low.x(), high.x()), row(1, low.y(), high.y()), row(2, low.z(), high.z()), block.value);
+        if (block.tile)
+            return addBox(row(0, low.x(), high.x()), row(1, low.y(), high.y()), row(2, low.z(), high.z()), *block.tile);
         std::vector<Row> rows;  // of each of the leaf's voxels, along x, then y, then z
         for (int axis = 0; axis < 3; ++axis)
             for (int i = low[axis]; i <= high[axis]; ++i) rows.push_back(row(axis, i, i));
-        for (auto on = block.leaf->cbeginValueOn(); on; ++on)
-            addBox(rows[on.pos() >> 6], rows[kLeafEdge + ((on.pos() >> 3) & 7)], rows[2 * kLeafEdge + (on.pos() & 7)],
-                   *on);
+        forEachActive(block, [&](const auto& value, const CoordBBox& box) {
+            const Coord in = box.min() - low;
+            addBox(rows[in.x()], rows[kLeafEdge + in.y()], rows[2 * kLeafEdge + in.z()], value);
+        });
     }
 
     /// Null if nothing overlaps it.
@@ -178,7 +161,7 @@ class LeafSums {
 /// The coarse leaf at `meeting.leaf` lies in a single tile: it becomes one too.
 template <class GridType>
 bool isInTile(const Meeting& meeting, const Block<GridType>& block, double resolution) {
-    if (block.leaf) return false;
+    if (!block.tile) return false;
     for (int axis = 0; axis < 3; ++axis) {
         const Row row(block.box.min()[axis], block.box.max()[axis], resolution);
         if (row.low > meeting.leaf[axis] || row.high < meeting.leaf[axis] + kLeafEdge) return false;
@@ -219,7 +202,7 @@ openvdb::GridBase::Ptr coarsenedGrid(const GridType& fine, double resolution) {
         if (leaves[i])
             coarse->tree().addLeaf(leaves[i]);
         else if (isInTile(first, blocks[first.block], resolution))
-            coarse->tree().addTile(1, first.leaf, blocks[first.block].value, true);
+            coarse->tree().addTile(1, first.leaf, *blocks[first.block].tile, true);
     }
     coarse->setTransform(coarseTransform(fine.transform(), resolution));
     coarse->setName(fine.getName());

@@ -1,9 +1,7 @@
 /// Grids made from another grid's values, voxel by voxel. For this module's own sources: it instantiates trees.
 #pragma once
 
-#include "raysweep/volume/grids.h"
-
-#include <openvdb/tree/LeafManager.h>
+#include "raysweep/volume/active_values.h"
 
 #include <memory>
 
@@ -17,17 +15,13 @@ typename GridType::Ptr mappedGrid(const openvdb::FloatGrid& source, const Topolo
     using Tree = typename GridType::TreeType;
     using Value = typename GridType::ValueType;
     const auto tree = std::make_shared<Tree>(topology, Value(0.0f), openvdb::TopologyCopy());
-    openvdb::tree::LeafManager<Tree>(*tree).foreach ([&](auto& leaf, std::size_t) {
-        const auto* const from = source.tree().probeConstLeaf(leaf.origin());
-        const float tile = from ? 0 : source.tree().getValue(leaf.origin());
-        for (auto on = leaf.beginValueOn(); on; ++on)
-            on.setValue(valueOf(from ? from->getValue(on.pos()) : tile, on.getCoord()));
-    });
-    auto tile = tree->beginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile) tile.setValue(valueOf(source.tree().getValue(tile.getCoord()), tile.getCoord()));
     const auto grid = GridType::create(tree);
     grid->setTransform(source.transform().copy());
+    setActive(*grid, [&] {
+        return [&, in = source.getConstUnsafeAccessor()](const openvdb::Coord& at) {
+            return valueOf(in.getValue(at), at);
+        };
+    });
     return grid;
 }
 

@@ -1,12 +1,13 @@
 #include "raysweep/volume/resample.h"
 
+#include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/Morphology.h>
-#include <openvdb/tree/LeafManager.h>
 
 #include <algorithm>
 
@@ -14,14 +15,11 @@ namespace raysweep {
 namespace {
 
 using openvdb::FloatGrid;
-using openvdb::Vec3s;
-using openvdb::Vec3SGrid;
 
-float atMostOne(float v) {
-    return std::min(v, 1.0f);
-}
-Vec3s atMostOne(const Vec3s& v) {
-    return Vec3s(atMostOne(v[0]), atMostOne(v[1]), atMostOne(v[2]));
+template <class Value>
+Value atMostOne(Value v) {
+    for (int c = 0; c < kChannels<Value>; ++c) channel(v, c) = std::min(channel(v, c), 1.0f);
+    return v;
 }
 
 /// A grid of 0 with the active voxels of `shape`, tiles as voxels.
@@ -33,16 +31,6 @@ typename GridType::Ptr withVoxelsOf(const ShapeType& shape) {
     const auto grid = GridType::create(tree);
     grid->setTransform(shape.transform().copy());
     return grid;
-}
-
-/// Sets every active voxel (there are no active tiles) to what a sampler says of its coordinate.
-template <class GridType, class MakeSampler>
-void setActive(GridType& grid, const MakeSampler& makeSampler) {
-    openvdb::tree::LeafManager<typename GridType::TreeType> leaves(grid.tree());
-    leaves.foreach ([&](auto& leaf, std::size_t) {
-        auto sample = makeSampler();  // one per leaf: samplers remember where they were, and are no use to two threads
-        for (auto on = leaf.beginValueOn(); on; ++on) on.setValue(sample(on.getCoord()));
-    });
 }
 
 /// Extinction-weighted average of the albedo: average of density x albedo over average of density.

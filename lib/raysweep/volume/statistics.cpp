@@ -1,7 +1,8 @@
 #include "raysweep/volume/statistics.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/parallel.h"
+#include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 #include "raysweep/volume/resample.h"
 
 #include <algorithm>
@@ -12,22 +13,10 @@ namespace raysweep {
 namespace {
 
 using openvdb::Coord;
+using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::GridBase;
-using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
-
-template <class Value>
-constexpr int kChannels = 1;
-template <>
-constexpr int kChannels<Vec3s> = 3;
-
-float channel(float v, int) {
-    return v;
-}
-float channel(const Vec3s& v, int c) {
-    return v[c];
-}
 
 template <class Value>
 struct Range {
@@ -59,16 +48,8 @@ struct Range {
 template <class GridT>
 ValueRange rangeOf(const GridT& grid) {
     using Value = typename GridT::ValueType;
-    std::vector<const typename GridT::TreeType::LeafNodeType*> leaves;
-    grid.tree().getNodes(leaves);
-    auto range = orderedSum<Range<Value>>(leaves.size(), [&](std::size_t i) {
-        Range<Value> inLeaf;
-        for (auto it = leaves[i]->cbeginValueOn(); it; ++it) inLeaf.add(*it, 1);
-        return inLeaf;
-    });
-    auto tile = grid.cbeginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile) range.add(*tile, tile.getVoxelCount());
+    const auto range = sumOverActive<Range<Value>>(
+        grid, [](Range<Value>& sum, const Value& v, const CoordBBox& box) { sum.add(v, box.volume()); });
     ValueRange result;
     result.notFinite = range.notFinite;
     for (int c = 0; c < kChannels<Value> && range.finite; ++c) {
@@ -107,18 +88,17 @@ struct Sums {
 
 template <class GridT>
 Sums sumsOverUnion(const GridT& a, const GridT& b) {
-    using Leaf = typename GridT::TreeType::LeafNodeType;
     const typename GridT::Ptr both = a.deepCopy();
     both->topologyUnion(b);
     both->tree().voxelizeActiveTiles();
-    std::vector<const Leaf*> leaves;
-    both->tree().getNodes(leaves);
-    return orderedSum<Sums>(leaves.size(), [&](std::size_t i) {
-        const auto inA = a.getConstAccessor(), inB = b.getConstAccessor();
-        Sums inLeaf;
-        for (auto it = leaves[i]->cbeginValueOn(); it; ++it)
-            inLeaf.add(inA.getValue(it.getCoord()), inB.getValue(it.getCoord()), it.getCoord());
-        return inLeaf;
+    const auto blocks = activeBlocks(*both);
+    return orderedSum<Sums>(blocks.size(), [&](std::size_t i) {
+        const auto inA = a.getConstUnsafeAccessor(), inB = b.getConstUnsafeAccessor();
+        Sums sums;
+        forEachActive(blocks[i], [&](const auto&, const CoordBBox& box) {
+            sums.add(inA.getValue(box.min()), inB.getValue(box.min()), box.min());
+        });
+        return sums;
     });
 }
 
@@ -142,12 +122,12 @@ GridDifference differenceFrom(const Sums& sums, int channels) {
 
 /// By index: the voxels coincide, the types are equal.
 GridDifference compareVoxels(const GridBase& grid, const GridBase& reference) {
-    const bool scalar = grid.isType<FloatGrid>();
-    const Sums sums =
-        scalar ? sumsOverUnion(static_cast<const FloatGrid&>(grid), static_cast<const FloatGrid&>(reference))
-               : sumsOverUnion(static_cast<const Vec3SGrid&>(grid), static_cast<const Vec3SGrid&>(reference));
-    if (sums.voxels == 0) throw InvalidArgument("cannot compare grids without any active voxel");
-    return differenceFrom(sums, scalar ? 1 : 3);
+    return withTypedGrid(grid, [&](const auto& typed) {
+        using GridType = std::decay_t<decltype(typed)>;
+        const Sums sums = sumsOverUnion(typed, static_cast<const GridType&>(reference));
+        if (sums.voxels == 0) throw InvalidArgument("cannot compare grids without any active voxel");
+        return differenceFrom(sums, kChannels<typename GridType::ValueType>);
+    });
 }
 
 }  // namespace

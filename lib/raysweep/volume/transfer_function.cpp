@@ -1,6 +1,7 @@
 #include "raysweep/volume/transfer_function.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 
 #include <nlohmann/json.hpp>
 
@@ -26,7 +27,7 @@ std::string textOf(double value) {
 }
 
 void requireFraction(double value, const std::string& what) {
-    if (!(value >= 0 && value <= 1)) throw InvalidArgument(what + " is " + textOf(value) + "; it must be in [0,1]");
+    requireField(value >= 0 && value <= 1, what, value, "in [0,1]");
 }
 
 double numberFrom(const json& point, const char* key) {
@@ -88,7 +89,7 @@ void TransferFunction::validate() const {
     if (points.empty()) throw InvalidArgument("a transfer function needs at least one point");
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::string point = "point " + std::to_string(i + 1) + ": ";
-        if (!std::isfinite(points[i].value)) throw InvalidArgument(point + "value must be finite");
+        requireField(std::isfinite(points[i].value), point + "value", points[i].value, "finite");
         if (i > 0 && points[i].value < points[i - 1].value)
             throw InvalidArgument(point + "value " + textOf(points[i].value) + " is below that of the point before, " +
                                   textOf(points[i - 1].value) + "; values must ascend");
@@ -101,8 +102,7 @@ TransferFunction rampFunction(double low, double high, double opacity) {
     if (!std::isfinite(low) || !std::isfinite(high) || !(low < high))
         throw InvalidArgument("a ramp from " + textOf(low) + " to " + textOf(high) +
                               ": both must be finite, and the first below the second");
-    if (!(opacity > 0 && opacity <= 1))
-        throw InvalidArgument("a ramp's opacity is " + textOf(opacity) + "; it must be in (0,1]");
+    requireField(opacity > 0 && opacity <= 1, "a ramp's opacity", opacity, "in (0,1]");
     return {{{low, 0}, {high, opacity}}, false};
 }
 

@@ -1,40 +1,28 @@
 #include "raysweep/volume/voxel_check.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/parallel.h"
+#include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 
 #include <algorithm>
 #include <cmath>
 #include <sstream>
-#include <vector>
 
 namespace raysweep {
 namespace {
 
 using openvdb::Coord;
+using openvdb::CoordBBox;
 using openvdb::FloatGrid;
 using openvdb::Index64;
-using openvdb::Vec3s;
 using openvdb::Vec3SGrid;
 
-/// True if `good` holds for the value, or for each channel of a vector.
-template <class Good>
-bool holds(const Good& good, float v) {
-    return good(v);
-}
-template <class Good>
-bool holds(const Good& good, const Vec3s& v) {
-    return good(v[0]) && good(v[1]) && good(v[2]);
-}
-
-/// `change` applied to the value, or to each channel of a vector.
-template <class Change>
-float changed(const Change& change, float v) {
-    return change(v);
-}
-template <class Change>
-Vec3s changed(const Change& change, const Vec3s& v) {
-    return Vec3s(change(v[0]), change(v[1]), change(v[2]));
+/// True if `good` holds for each channel.
+template <class Good, class Value>
+bool holds(const Good& good, const Value& v) {
+    for (int c = 0; c < kChannels<Value>; ++c)
+        if (!good(channel(v, c))) return false;
+    return true;
 }
 
 // Written so that NaN fails.
@@ -61,14 +49,6 @@ float clampedToHalf(float v) {
     return fitsHalf(v) ? v : std::copysign(kLargestHalf, v);
 }
 
-template <class GridT>
-std::vector<const typename GridT::TreeType::LeafNodeType*> leavesOf(const GridT& grid) {
-    std::vector<const typename GridT::TreeType::LeafNodeType*> leaves;
-    leaves.reserve(grid.tree().leafCount());
-    grid.tree().getNodes(leaves);
-    return leaves;
-}
-
 template <class Value>
 struct Bad {
     Index64 count = 0;
@@ -87,18 +67,9 @@ struct Bad {
 template <class GridT, class Good>
 Bad<typename GridT::ValueType> findBad(const GridT& grid, const Good& good) {
     using Value = typename GridT::ValueType;
-    const auto leaves = leavesOf(grid);
-    auto bad = orderedSum<Bad<Value>>(leaves.size(), [&](std::size_t i) {
-        Bad<Value> inLeaf;
-        for (auto it = leaves[i]->cbeginValueOn(); it; ++it)
-            if (!holds(good, *it)) inLeaf.add(1, it.getCoord(), *it);
-        return inLeaf;
+    return sumOverActive<Bad<Value>>(grid, [&](Bad<Value>& bad, const Value& v, const CoordBBox& box) {
+        if (!holds(good, v)) bad.add(box.volume(), box.min(), v);
     });
-    auto tile = grid.cbeginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile)
-        if (!holds(good, *tile)) bad.add(tile.getVoxelCount(), tile.getCoord(), *tile);
-    return bad;
 }
 
 /// How values that are not good are spoken of.
@@ -123,25 +94,12 @@ void requireAll(const GridT& grid, const Good& good, const std::string& what, co
 /// Applies `change` to the active values for which `good` does not hold. @return the number of voxels changed.
 template <class GridT, class Good, class Change>
 std::size_t changeBad(GridT& grid, const Good& good, const Change& change) {
-    std::vector<typename GridT::TreeType::LeafNodeType*> leaves;
-    grid.tree().getNodes(leaves);
-    std::size_t count = orderedSum<std::size_t>(leaves.size(), [&](std::size_t i) {
-        std::size_t inLeaf = 0;
-        for (auto it = leaves[i]->beginValueOn(); it; ++it) {
-            if (holds(good, *it)) continue;
-            it.setValue(changed(change, *it));
-            ++inLeaf;
-        }
-        return inLeaf;
+    using Value = typename GridT::ValueType;
+    return sumOverActive<std::size_t>(grid, [&](std::size_t& count, Value& v, const CoordBBox& box) {
+        if (holds(good, v)) return;
+        for (int c = 0; c < kChannels<Value>; ++c) channel(v, c) = change(channel(v, c));
+        count += box.volume();
     });
-    auto tile = grid.beginValueOn();
-    tile.setMaxDepth(tile.getLeafDepth() - 1);
-    for (; tile; ++tile) {
-        if (holds(good, *tile)) continue;
-        count += tile.getVoxelCount();
-        tile.setValue(changed(change, *tile));
-    }
-    return count;
 }
 
 template <class GridT>

@@ -222,16 +222,16 @@ TEST(EngineRoom, TakesTheSlicesThatAreGiven) {
     options.slices = {40, 50};
     expectError(options, "slices 0 to 29");
     options.slices = {8, 7};
-    expectError(options, "the last of the slices is 7");
+    expectError(options, "the last of the slices 7: must be at or behind the first");
 }
 
 TEST(EngineRoom, RefusesWhatMakesNoRoom) {
     EngineRoomOptions options;
     options.size = 35;
-    expectError(options, "size is 35");
+    expectError(options, "size 35: must be in [");
     options.size = 0;
     options.wall = 1;
-    expectError(options, "wall is 1");
+    expectError(options, "wall 1: must be in [2,64]");
     expectError(withEngine(FloatGrid::create(0.0f)), "is empty");
     expectError(withEngine(slab(Coord(0), Coord(9), 0.0f)), "is empty");
     expectError(withEngine(slab(Coord(0), Coord(9), -1.0f)), "no active voxel is larger than 0");

@@ -125,8 +125,8 @@ TEST(TransferFunction, FilesWithErrorsAreRefusedWithFilePointAndBound) {
     expectComplaint("[" + good + R"({"opacity": 1}])", "point 2: there is no \"value\"");
     expectComplaint("[" + good + R"({"value": 1}])", "point 2: there is no \"opacity\"");
     expectComplaint("[" + good + R"({"value": "x", "opacity": 1}])", "point 2: \"value\" is \"x\", not a number");
-    expectComplaint("[" + good + R"({"value": 1, "opacity": 1.5}])", "point 2: opacity is 1.5; it must be in [0,1]");
-    expectComplaint("[" + good + R"({"value": 1, "opacity": -1}])", "point 2: opacity is -1; it must be in [0,1]");
+    expectComplaint("[" + good + R"({"value": 1, "opacity": 1.5}])", "point 2: opacity 1.5: must be in [0,1]");
+    expectComplaint("[" + good + R"({"value": 1, "opacity": -1}])", "point 2: opacity -1: must be in [0,1]");
     expectComplaint("[" + good + R"({"value": -1, "opacity": 1}])", "point 2: value -1 is below");
     expectComplaint("[" + good + R"({"value": 1, "opacity": 1, "alpha": 1}])", "point 2: \"alpha\" is not known");
     expectComplaint("[" + good + R"({"value": 1, "opacity": 1, "color": [1,1,1]}])", "point 2 has \"color\"");
