@@ -22,7 +22,7 @@ END
 }
 
 # What setting up rests on, as extended regular expression for whole paths.
-rests_on='scripts/(setup|build|check_bare)\.sh|\.ci/run|CMakePresets\.json|(.*/)?CMakeLists\.txt|cmake/.*'
+rests_on='scripts/(setup|check_bare)\.sh|\.ci/run|CMakePresets\.json|(.*/)?CMakeLists\.txt|cmake/.*'
 release=bookworm
 here=/raysweep # the checkout's place in the root
 
@@ -35,6 +35,7 @@ demo="" test="" ccache="" if_changed="" root="" running="" under_way=""
 commands=()
 
 say() { echo "== bare: $*"; }
+in_git() { git -C "$checkout" "$@"; }
 
 # Ends for want of something that is no fault of the checkout: a failure, unless --if-changed asked in passing.
 give_up() {
@@ -61,7 +62,8 @@ parse() {
 # In a shallow clone the oldest commit counts as having changed every file: what is unknown is checked.
 skip_if_unchanged() {
     local changed
-    changed=$({ git log -n "$if_changed" --format= --name-only && git diff --name-only HEAD; } | grep -xE "$rests_on" || true)
+    changed=$({ in_git log -n "$if_changed" --format= --name-only && in_git diff --name-only HEAD; } |
+        grep -xE "$rests_on" || true)
     [ -n "$changed" ] && return
     say "skipped: nothing that setting up rests on has changed in $if_changed commits"
     exit 0
@@ -71,7 +73,8 @@ become_root() {
     [ "$(id -u)" -eq 0 ] && return
     command -v sudo >/dev/null || give_up "needs root (debootstrap, mount and chroot do), and there is no sudo"
     [ -z "$if_changed" ] || sudo -n true 2>/dev/null || give_up "needs root, and sudo wants a password"
-    exec sudo RAYSWEEP_BARE_CACHE="$cache" ${data:+RAYSWEEP_DATA="$data"} "$script" "${arguments[@]}"
+    exec sudo --preserve-env=http_proxy,https_proxy,no_proxy RAYSWEEP_BARE_CACHE="$cache" ${data:+RAYSWEEP_DATA="$data"} \
+        "$script" "${arguments[@]}"
 }
 
 require_tools() {
@@ -122,7 +125,8 @@ make_root() {
     apt-config dump | grep '^Acquire::' >"$root/etc/apt/apt.conf.d/90host" || true
     echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/unsafe-io" # it will not outlive a crash anyway: no waiting for the disk
     mkdir -p "$root$here" "$root/ccache" "$root/data" "$cache/archives"
-    git ls-files -z | tar --create --null --files-from=- --ignore-failed-read | tar --extract --no-same-owner -C "$root$here"
+    in_git ls-files -z | tar --create --null --files-from=- --ignore-failed-read -C "$checkout" |
+        tar --extract --no-same-owner -C "$root$here"
 }
 
 # Runs COMMAND in the root, in the namespace of its own in which it is called: no mount is seen from outside, and all mounts and
@@ -190,8 +194,7 @@ copy_pictures() {
 
 main() {
     parse "$@"
-    cd "$checkout"
-    git rev-parse HEAD >/dev/null 2>&1 || give_up "needs a checkout made by git"
+    in_git rev-parse HEAD >/dev/null 2>&1 || give_up "needs a checkout made by git"
     [ -z "$if_changed" ] || skip_if_unchanged
     become_root
     require_tools
