@@ -81,11 +81,10 @@ EscapeFit fitDegree(std::vector<Sample> samples, int degree, double meanInverse)
     for (Sample& s : samples) s.weight = 1 / (s.p * (1 + std::pow(s.t, degree + 1)));
     for (int pass = 0; pass < 12; ++pass) {
         fit = fitOnce(samples, degree, meanInverse);
-        for (Sample& s : samples) s.weight = 1 / (s.p * std::abs(fit.denominator(s.t)));
+        for (Sample& s : samples) s.weight = 1 / (s.p * EscapeFit::polynomial(fit.a, s.t));
     }
     for (const Sample& s : samples)
-        fit.maxRelativeError =
-            std::max(fit.maxRelativeError, std::abs(fit.numerator(s.t) / fit.denominator(s.t) / s.p - 1));
+        fit.maxRelativeError = std::max(fit.maxRelativeError, std::abs(fit.probability(s.t) / s.p - 1));
     return fit;
 }
 

@@ -21,8 +21,6 @@ struct EscapeFit {
     Real probability(Real t) const {
         return polynomial(b, t) / polynomial(a, t);
     }
-
-  private:
     /// 1 + c[0] t + ... + c[n - 1] t^n
     template <class Real, int n>
     static Real polynomial(const float (&c)[n], Real t) {
