@@ -25,6 +25,7 @@ constexpr Hint kHints[] = {
     {Remedy::mapValues, "generate", "; import it with --normalize, or --scale and --offset"},
     {Remedy::repairVoxels, "import", kRepair},
     {Remedy::repairVoxels, "light", kRepair},
+    {Remedy::setSpacing, "ct", "; give --size and --spacing"},
     {Remedy::setSpacing, "import", "; if only the spacing is wrong, give --spacing X,Y,Z"},
     {Remedy::spaceSlicesByNumber, "import", "; give --spacing X,Y,Z to take the images in the order of their numbers"},
     {Remedy::spaceSlicesEvenly, "import", " --spacing X,Y,Z takes them as equally spaced"},

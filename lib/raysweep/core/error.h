@@ -22,7 +22,7 @@ enum class Remedy {
     lightFirst,           ///< light the volume
     mapValues,            ///< map the values, for instance to [0,1], when they are imported
     repairVoxels,         ///< set such voxels to 0
-    setSpacing,           ///< replace the file's spacing
+    setSpacing,           ///< give the spacing of voxels, and how many if nothing else says that
     spaceSlicesEvenly,    ///< give the spacing, and take slices as equally spaced
     spaceSlicesByNumber,  ///< give the spacing, and take slices in the order of their numbers
     useOriginal           ///< use the file that this one was made from

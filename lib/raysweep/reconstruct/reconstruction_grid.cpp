@@ -51,7 +51,7 @@ ReconstructionGrid turnedGrid(const ProjectionGeometry& geometry) {
     try {
         fitOrbit(geometry);
     } catch (const InvalidArgument&) {
-        throw InvalidArgument("the views are not those of a turn about an axis that is seen");
+        throw InvalidArgument("the views are not those of a turn about an axis that is seen", Remedy::setSpacing);
     }
     return coveringGrid(geometry);
 }

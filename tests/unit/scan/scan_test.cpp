@@ -237,7 +237,7 @@ TEST_F(ScanFiles, WhatIsHardlyMeantIsSaid) {
 
     ScanOptions dead;
     Projections flat(kWidth, kHeight, 1);
-    for (std::size_t p = 0; p < flat.values.size(); ++p) flat.values[p] = p < 20 ? 1000 : 1;
+    for (std::size_t p = 0; p < flat.values.size(); ++p) flat.values[p] = p < 20 ? 1000 : 0;
     dead.projections = {write("counts", numbered(kWidth, kHeight, kViews))};
     dead.flat = write("flat", flat);
     EXPECT_TRUE(hasWarning(readScan(dead), ScanWarning::Kind::deadPixels));
