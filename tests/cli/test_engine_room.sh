@@ -73,6 +73,9 @@ expect_match "no grid called 'walls'"
 expect_exit 0 "$make_volume" empty empty.vdb
 expect_exit 1 $room --volume empty.vdb -o bad.vdb
 expect_match "is empty"
+expect_exit 0 "$make_volume" negative negative.vdb
+expect_exit 1 $room --volume negative.vdb -o bad.vdb
+expect_match "are no densities; import it with --normalize, or --scale and --offset"
 expect_exit 2 $room -o bad.vdb --size 20
 expect_match "size 20: must be in ["
 expect_exit 2 $room -o bad.vdb --wall 1

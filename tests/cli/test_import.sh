@@ -105,6 +105,8 @@ expect_match "it would fit dims 4,4,5 of uint8"
 expect_exit 1 "$raysweep" import nan.raw --dims 2,2,2 --type float -o bad.vdb
 expect_match "(1, 1, 0)"
 expect_match "--repair"
+expect_exit 1 "$raysweep" import repaired.vdb -o bad.vdb
+expect_match "it is a .vdb already; 'raysweep light' takes it as it is"
 expect_exit 1 "$raysweep" import empty -o bad.vdb
 expect_match "no files at all"
 expect_exit 1 "$raysweep" import stack/slice1.png large.png -o bad.vdb

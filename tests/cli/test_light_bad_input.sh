@@ -55,15 +55,15 @@ fi
 
 # A level set is no density; its inside is.
 make level-set && refuse 1 "is a level set" level-set.vdb "${to[@]}"
-expect_match "--from-level-set"
+expect_match "not densities; use --from-level-set to fill its inside with density 1, or convert it first (Houdini"
 expect_exit 0 "$raysweep" light level-set.vdb --from-level-set --sky 1 -o ok.vdb --report report.json
 expect_json report.json "r['balance_error'] <= 1e-5 and r['power_absorbed'] > 0"
-refuse 1 "is not a level set" cloud.vdb --from-level-set "${to[@]}"
+refuse 1 "is not a level set; leave out --from-level-set. It holds" cloud.vdb --from-level-set "${to[@]}"
 
 # Values.
 for kind in nan infinite negative; do
     make $kind && refuse 1 "the first at index (3, 4, 5), world (0.3, 0.4, 0.5)" $kind.vdb "${to[@]}"
-    expect_match "--repair"
+    expect_match "; repair the file, or use --repair to set such voxels to 0"
     expect_exit 0 "$raysweep" light $kind.vdb --repair --sky 1 -o ok.vdb --report report.json
     expect_match "1 voxel of 'density' was NaN, infinite or negative and counts as 0"
     expect_json report.json "r['balance_error'] <= 1e-5"

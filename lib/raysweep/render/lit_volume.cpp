@@ -2,6 +2,7 @@
 
 #include "raysweep/core/require.h"
 #include "raysweep/scene/lit_file.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
@@ -41,11 +42,11 @@ openvdb::Vec3f colourOf(const openvdb::Vec3f& value) {
 void addTo(openvdb::Vec3SGrid& sum, const openvdb::GridBase& grid, const openvdb::Vec3f& factor, bool grey) {
     auto to = sum.getAccessor();
     withTypedGrid(grid, [&](const auto& typed) {
-        for (auto on = typed.cbeginValueOn(); on; ++on) {
-            openvdb::Vec3f value = colourOf(*on);
+        forEachActive(typed, [&](const auto& active, const openvdb::CoordBBox& box) {
+            openvdb::Vec3f value = colourOf(active);
             if (grey) value = openvdb::Vec3f((value[0] + value[1] + value[2]) / 3);
-            to.setValue(on.getCoord(), to.getValue(on.getCoord()) + value * factor);
-        }
+            for (const openvdb::Coord& at : box) to.setValue(at, to.getValue(at) + value * factor);
+        });
     });
 }
 

@@ -3,7 +3,7 @@
 // left is nowhere much brighter than the mean, and a random direction stands for the whole sphere well.
 #include "raysweep/scene/sky_map.h"
 
-#include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
 #include "raysweep/scene/sky_suns.h"
 
 #include <algorithm>
@@ -191,15 +191,10 @@ MapFrame frameFrom(const SkyMapOptions& options) {
 }  // namespace
 
 void SkyMapOptions::validate() const {
-    const auto refuse = [](const char* field, double value, const char* bound) {
-        std::ostringstream text;
-        text << field << " is " << value << "; it must be " << bound;
-        throw InvalidArgument(text.str());
-    };
-    if (up < 0 || up > 2) refuse("up", up, "0, 1 or 2");
-    if (!std::isfinite(rotate)) refuse("rotate", rotate, "finite");
-    if (!(scale >= 0 && std::isfinite(scale))) refuse("scale", scale, "finite and not negative");
-    if (suns < 0 || suns > kMostSkySuns) refuse("suns", suns, "in [0, 1024]");
+    requireField(up >= 0 && up <= 2, "up", up, "0, 1 or 2");
+    requireField(std::isfinite(rotate), "rotate", rotate, "finite");
+    requireField(scale >= 0 && std::isfinite(scale), "scale", scale, "finite and not negative");
+    requireField(suns >= 0 && suns <= kMostSkySuns, "suns", suns, "in [0, 1024]");
 }
 
 SkyMapLight lightFromSkyMap(const Image& map, const SkyMapOptions& options) {

@@ -298,9 +298,9 @@ TEST(SkyMap, RefusesWhatIsNoSkyMap) {
     }
     SkyMapOptions options;
     options.up = 3;
-    EXPECT_NE(complaintAbout(Image(8, 4, 1), options).find("up is 3"), std::string::npos);
+    EXPECT_NE(complaintAbout(Image(8, 4, 1), options).find("up 3: must be 0, 1 or 2"), std::string::npos);
     options = withSuns(-1);
-    EXPECT_NE(complaintAbout(Image(8, 4, 1), options).find("suns is -1"), std::string::npos);
+    EXPECT_NE(complaintAbout(Image(8, 4, 1), options).find("suns -1: must be in"), std::string::npos);
     options = {};
     options.rotate = std::numeric_limits<double>::infinity();
     EXPECT_NE(complaintAbout(Image(8, 4, 1), options).find("rotate"), std::string::npos);
