@@ -1,6 +1,7 @@
 #include "raysweep/scene/lit_file.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/voxel_check.h"
 
 namespace raysweep {
@@ -40,8 +41,7 @@ openvdb::FloatGrid::Ptr extinctionGrid(const Medium& medium) {
     const openvdb::FloatGrid::Ptr grid = medium.density->deepCopy();
     voxelizeTiles(*grid);
     const auto scale = float(medium.extinctionScale);
-    if (scale != 1)
-        for (auto on = grid->beginValueOn(); on; ++on) on.setValue(*on * scale);
+    if (scale != 1) forEachActive(*grid, [&](float& value, const openvdb::CoordBBox&) { value *= scale; });
     grid->setName("extinction");
     return grid;
 }
