@@ -5,6 +5,8 @@
 #include "raysweep/illuminate/quad.h"
 #include "raysweep/illuminate/voxel_radiance.h"
 #include "raysweep/sweep/diverging_front.h"
+#include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -209,17 +211,12 @@ void takeSourcesAsEmitted(SolverState& state) {
                             state.solid.emitted[c].brick(state.solid.surfaces.slots[b]));
 }
 
-float largestOf(float value) {
-    return value;
-}
-float largestOf(const openvdb::Vec3f& value) {
-    return std::max({value[0], value[1], value[2]});
-}
-
 double largestValue(const openvdb::GridBase& grid) {
     float largest = 0;
     withTypedGrid(grid, [&](const auto& typed) {
-        for (auto on = typed.cbeginValueOn(); on; ++on) largest = std::max(largest, largestOf(*on));
+        forEachActive(typed, [&](const auto& value, const openvdb::CoordBBox&) {
+            for (int c = 0; c < 3; ++c) largest = std::max(largest, channel(value, c));
+        });
     });
     return double(largest);
 }

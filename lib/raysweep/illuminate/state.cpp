@@ -5,6 +5,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/illuminate/quad.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
 
@@ -36,11 +37,11 @@ void checkEmission(const openvdb::GridBase& grid) {
 /// Makes the voxels that a quad passes a surface that looks where the quad does.
 void addQuadNormals(SolverState& state, const QuadLight& quad, const openvdb::FloatGrid& areas) {
     const PackedNormal normal = packNormal(quad.u.cross(quad.v).normalized());
-    for (auto area = areas.cbeginValueOn(); area; ++area) {
-        const Index3 voxel(area.getCoord().x(), area.getCoord().y(), area.getCoord().z());
+    forEachActive(areas, [&](float, const openvdb::CoordBBox& box) {
+        const Index3 voxel(box.min().x(), box.min().y(), box.min().z());
         addSurfaceBrick(state.solid.surfaces, state.medium.volume.layout.brickCount(),
                         state.medium.volume.map.find(voxel))[offsetInBrick(voxel)] = normal;
-    }
+    });
 }
 
 /// Bytes per voxel of a brick at the peak: tau and the fields of each wavelength.

@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/require.h"
 #include "raysweep/phantoms/engine_block.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/statistics.h"
@@ -57,23 +58,20 @@ void requireValues(const FloatGrid& grid) {
              Remedy::mapValues);
 }
 
-/// Active voxels and tiles of `grid`, cut to slices `first` to `last`; calls use(box, value).
-template <class Use>
-void forActive(const FloatGrid& grid, int first, int last, const Use& use) {
-    for (auto it = grid.cbeginValueOn(); it; ++it) {
-        CoordBBox box;
-        it.getBoundingBox(box);
-        box.min().z() = std::max(box.min().z(), first);
-        box.max().z() = std::min(box.max().z(), last);
-        if (box.min().z() <= box.max().z()) use(box, *it);
-    }
+/// Calls `visit(value, box)` for the active voxels and tiles of `grid`, cut to `box`.
+template <class Visit>
+void forEachActiveIn(const CoordBBox& box, const FloatGrid& grid, const Visit& visit) {
+    forEachActive(grid, [&](float value, CoordBBox part) {
+        part.intersect(box);
+        if (!part.empty()) visit(value, part);
+    });
 }
 
 /// First and last slice in which something stands.
 std::pair<int, int> filledSlices(const FloatGrid& grid, const CoordBBox& active) {
     const int low = active.min().z();
     std::vector<float> largest(std::size_t(active.dim().z()), 0.0f);
-    forActive(grid, low, active.max().z(), [&](const CoordBBox& box, float value) {
+    forEachActive(grid, [&](float value, const CoordBBox& box) {
         for (int k = box.min().z(); k <= box.max().z(); ++k) {
             float& here = largest[std::size_t(k - low)];
             here = std::max(here, value);
@@ -94,7 +92,10 @@ CoordBBox engineBox(const FloatGrid& grid, const std::optional<std::pair<int, in
                               " voxels apart; crop it first");
     const auto [first, last] = slices ? *slices : filledSlices(grid, active);
     CoordBBox box;
-    forActive(grid, first, last, [&](const CoordBBox& some, float) { box.expand(some); });
+    CoordBBox given = active;
+    given.min().z() = first;
+    given.max().z() = last;
+    forEachActiveIn(given, grid, [&](float, const CoordBBox& part) { box.expand(part); });
     if (box.empty())
         throw InvalidArgument("no active voxel is in the slices " + std::to_string(first) + " to " +
                               std::to_string(last) + "; the volume has slices " + std::to_string(active.min().z()) +
@@ -108,16 +109,12 @@ CoordBBox engineBox(const FloatGrid& grid, const std::optional<std::pair<int, in
 void copyActive(const FloatGrid& from, const CoordBBox& box, const Coord& to, FloatGrid& target) {
     const Coord shift = to - box.min();
     auto voxels = target.getAccessor();
-    for (auto it = from.cbeginValueOn(); it; ++it) {
-        if (it.isVoxelValue()) {
-            if (box.isInside(it.getCoord())) voxels.setValueOn(it.getCoord() + shift, *it);
-            continue;
-        }
-        CoordBBox tile;
-        it.getBoundingBox(tile);
-        tile.intersect(box);
-        if (!tile.empty()) target.fill(CoordBBox(tile.min() + shift, tile.max() + shift), *it, true);
-    }
+    forEachActiveIn(box, from, [&](float value, const CoordBBox& part) {
+        if (part.min() == part.max())
+            voxels.setValueOn(part.min() + shift, value);
+        else
+            target.fill(CoordBBox(part.min() + shift, part.max() + shift), value, true);
+    });
 }
 
 /// The transform under which voxel `first` of a grid with `transform` is voxel (0,0,0).
@@ -218,7 +215,7 @@ void addAlbedo(const EngineRoomOptions& options, EngineRoom& room) {
     room.albedo->setName("albedo");
     room.albedo->setTransform(room.density->transform().copy());
     room.albedo->tree().topologyUnion(room.density->tree());
-    for (auto it = room.albedo->beginValueOn(); it; ++it) it.setValue(kGrey);
+    forEachActive(*room.albedo, [](Vec3s& albedo, const CoordBBox&) { albedo = kGrey; });
     forWalls(options, room.dims,
              [&](const CoordBBox& box, const Vec3s& paint) { room.albedo->fill(box, paint, true); });
 }

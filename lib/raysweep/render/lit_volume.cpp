@@ -3,6 +3,7 @@
 #include "raysweep/core/require.h"
 #include "raysweep/scene/lit_file.h"
 #include "raysweep/volume/active_values.h"
+#include "raysweep/volume/channels.h"
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
@@ -31,21 +32,14 @@ RenderInput selectInput(const VdbFile& file, const LitVolumeOptions& options) {
     return {density, extinction.value_or(1), radiosity};
 }
 
-openvdb::Vec3f colourOf(float value) {
-    return openvdb::Vec3f(value);
-}
-openvdb::Vec3f colourOf(const openvdb::Vec3f& value) {
-    return value;
-}
-
 /// Adds `factor` times the active values of `grid`, or of their means with `grey`, to `sum`.
 void addTo(openvdb::Vec3SGrid& sum, const openvdb::GridBase& grid, const openvdb::Vec3f& factor, bool grey) {
     auto to = sum.getAccessor();
     withTypedGrid(grid, [&](const auto& typed) {
-        forEachActive(typed, [&](const auto& active, const openvdb::CoordBBox& box) {
-            openvdb::Vec3f value = colourOf(active);
-            if (grey) value = openvdb::Vec3f((value[0] + value[1] + value[2]) / 3);
-            for (const openvdb::Coord& at : box) to.setValue(at, to.getValue(at) + value * factor);
+        forEachActive(typed, [&](const auto& value, const openvdb::CoordBBox& box) {
+            openvdb::Vec3f color(channel(value, 0), channel(value, 1), channel(value, 2));
+            if (grey) color = openvdb::Vec3f((color[0] + color[1] + color[2]) / 3);
+            for (const openvdb::Coord& at : box) to.setValue(at, to.getValue(at) + color * factor);
         });
     });
 }

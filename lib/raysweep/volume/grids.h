@@ -1,5 +1,5 @@
-/// The grid types that Raysweep works with. Instantiating OpenVDB's trees is what makes compilation slow, so it
-/// happens once, in grids.cpp; every other unit includes this header and nothing else of OpenVDB's grid headers.
+/// The grid types that Raysweep works with. Instantiating OpenVDB's trees is what makes compilation slow: those of
+/// floats and colours are compiled in grids.cpp, whole; other units compile only the member templates that they call.
 #pragma once
 
 #include "raysweep/core/error.h"

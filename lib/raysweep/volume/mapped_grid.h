@@ -1,4 +1,4 @@
-/// Grids made from another grid's values, voxel by voxel. For this module's own sources: it instantiates trees.
+/// Grids made from another grid's values, voxel by voxel. For this module's own sources: they compile copies of trees.
 #pragma once
 
 #include "raysweep/volume/active_values.h"
