@@ -16,7 +16,7 @@ knows, as they are now, and prints the time of each stage. Needs root, or sudo.
   --help
 Environment:
   RAYSWEEP_BARE_CACHE  folder for the minimal root and the packages that were downloaded (~/.cache/raysweep/bare); remove it to
-                       begin anew. Each run starts from a fresh copy of the minimal root, 2.5 GB, which is made here too.
+                       begin anew. Each run works in a fresh copy of that root beside it, which grows to 2.5 GB and more.
   RAYSWEEP_DATA        data for --test; without it the tests that want it are skipped
 END
 }
@@ -51,7 +51,10 @@ parse() {
             --test) test=yes ;;
             --run) commands+=("${2:?--run needs a command}") && shift ;;
             --ccache) ccache=$(realpath -m "${2:?--ccache needs a folder}") && shift ;;
-            --if-changed) if_changed=${2:?--if-changed needs a number of commits} && shift ;;
+            --if-changed)
+                [[ ${2:-} =~ ^[0-9]+$ ]] || { echo "check_bare.sh: --if-changed needs a number of commits" >&2 && exit 2; }
+                if_changed=$2 && shift
+                ;;
             -h | --help) usage && exit 0 ;;
             *) usage >&2 && exit 2 ;;
         esac
@@ -62,9 +65,8 @@ parse() {
 # In a shallow clone the oldest commit counts as having changed every file: what is unknown is checked.
 skip_if_unchanged() {
     local changed
-    changed=$({ in_git log -n "$if_changed" --format= --name-only && in_git diff --name-only HEAD; } |
-        grep -xE "$rests_on" || true)
-    [ -n "$changed" ] && return
+    changed=$(in_git log -n "$if_changed" --format= --name-only && in_git diff --name-only HEAD)
+    grep -qxE "$rests_on" <<<"$changed" && return
     say "skipped: nothing that setting up rests on has changed in $if_changed commits"
     exit 0
 }
@@ -125,7 +127,7 @@ make_root() {
     apt-config dump | grep '^Acquire::' >"$root/etc/apt/apt.conf.d/90host" || true
     echo force-unsafe-io >"$root/etc/dpkg/dpkg.cfg.d/unsafe-io" # it will not outlive a crash anyway: no waiting for the disk
     mkdir -p "$root$here" "$root/ccache" "$root/data" "$cache/archives"
-    in_git ls-files -z | tar --create --null --files-from=- --ignore-failed-read -C "$checkout" |
+    in_git ls-files -z | tar -C "$checkout" --create --ignore-failed-read --null --files-from=- |
         tar --extract --no-same-owner -C "$root$here"
 }
 
@@ -150,7 +152,7 @@ enter() {
     for name in http_proxy https_proxy no_proxy; do
         [ -z "${!name:-}" ] || environment+=("$name=${!name}")
     done
-    exec chroot "$root" env -i "${environment[@]}" bash -c "cd $here && $1"
+    exec chroot "$root" env -i "${environment[@]}" bash -ec "cd $here; $1"
 }
 
 # In the background, because bash lets nothing interrupt what runs before it.
@@ -211,7 +213,8 @@ main() {
     [ -d "$cache/minimal" ] || stage "minimal root (debootstrap)" make_minimal
     stage "fresh copy" make_root
     stage "scripts/setup.sh" in_root "scripts/setup.sh"
-    stage "cmake --preset release" in_root "cmake --preset release"
+    # ITK is optional, so that only asking for it shows that it is missing.
+    stage "cmake --preset release" in_root "cmake --preset release -DRAYSWEEP_WITH_ITK=ON >/dev/null"
     if [ -n "$demo" ]; then
         stage "scripts/demo.sh" in_root "scripts/demo.sh"
         copy_pictures
