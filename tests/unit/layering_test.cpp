@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -98,6 +100,18 @@ TEST(Layering, ModulesLinkWithThoseAboveThemAlone) {
                 << outputOf("c++filt '" + symbol + "'") << "from " << kModules[definition->second] << "/"
                 << where[symbol];
         }
+}
+
+// What makes units slow to compile is OpenVDB's trees: those of float and vec3s are made once.
+TEST(Layering, OneUnitInstantiatesTheTrees) {
+    // Members of Tree<...LeafNode<float ...>> and Grid<...>, mangled; `once` is a flag that inline functions leave.
+    const std::regex member("_ZNK?7openvdb[0-9]+v[0-9_]+(4tree4TreeI|4GridI).*LeafNodeI(f|NS[^E]*4Vec3IfE).*");
+    std::set<std::string> units;
+    for (const ObjectFile& object : libraryObjects())
+        for (const std::string& symbol : object.defined)
+            if (std::regex_match(symbol, member) && symbol.find("4once") == std::string::npos)
+                units.insert(object.path.filename().string());
+    EXPECT_EQ(units, std::set<std::string>{"grids.cpp.o"});
 }
 
 TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {

@@ -1,5 +1,5 @@
-/// The grid types that Raysweep works with. Instantiating OpenVDB's trees is what makes compilation slow, so it
-/// happens once, in grids.cpp; every other unit includes this header and nothing else of OpenVDB's grid headers.
+/// The grid types that Raysweep works with. Instantiating OpenVDB's trees is what makes compilation slow, so for these
+/// types it happens once, in grids.cpp. This header is precompiled for the library, the command and the tests.
 #pragma once
 
 #include "raysweep/core/error.h"
