@@ -3,5 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/setup.sh
+source scripts/ccache.sh
 cmake --preset release >/dev/null
 cmake --build --preset release "$@"

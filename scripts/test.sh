@@ -1,22 +1,27 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every test: format, release build, and the core tests under ASan and UBSan.
+# Installs what is missing, builds, and runs every test: format, release build, and the units under sanitizers of addresses and
+# undefined behaviour. Benchmarks are not built; CONTRIBUTING.md says how to run what is parallel under ThreadSanitizer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 scripts/setup.sh --tests
+source scripts/ccache.sh
 
-echo "== format"
+stage() { printf '== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
+
+stage "format"
 # Not by git: an unpacked archive has to pass too.
 find apps bench lib tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run -Werror
 
-echo "== release build"
-scripts/build.sh
+stage "release build"
+scripts/build.sh --target raysweep_checks
 
-echo "== tests"
+stage "tests"
 ctest --preset release --parallel 2 --timeout 900
 
-echo "== tests under address and undefined-behaviour sanitizers"
+stage "tests under address and undefined-behaviour sanitizers"
 cmake --preset asan >/dev/null
 cmake --build --preset asan --target raysweep_tests
-# Suites that end in Slow compare with long Monte Carlo runs: what they touch, others touch too.
 ctest --preset asan --parallel 2 --timeout 900 --exclude-regex 'Slow\.|cli\.|blender\.'
+
+stage "done"

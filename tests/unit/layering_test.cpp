@@ -1,12 +1,17 @@
-// Data flows one way: a module includes only itself and those above it in the list.
+// Data flows one way: a module includes only itself and those above it in the list, and links with nothing else.
 #include "support/source_folder.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <map>
 #include <regex>
+#include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -29,7 +34,85 @@ std::string includedModule(const std::string& line) {
     return line.substr(start.size(), line.find('/', start.size()) - start.size());
 }
 
+/// A file of objects, as nm sees it.
+struct ObjectFile {
+    fs::path path;
+    std::size_t rank;
+    std::vector<std::string> defined, undefined;
+};
+
+/// Standard output of a command.
+std::string outputOf(const std::string& command) {
+    std::FILE* pipe = popen(command.c_str(), "r");
+    if (pipe == nullptr) return "";
+    std::string output;
+    char buffer[65536];
+    for (std::size_t n; (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) output.append(buffer, n);
+    return pclose(pipe) == 0 ? output : "";
+}
+
+std::vector<std::string> wordsOf(const std::string& text) {
+    std::istringstream words(text);
+    return {std::istream_iterator<std::string>(words), {}};
+}
+
+/// The library's object files that are in a module's folder, from the list that the build leaves.
+std::vector<ObjectFile> libraryObjects() {
+    std::vector<ObjectFile> objects;
+    std::ifstream list(fs::path(raysweep::test::buildFolder()) / "tests" / "library_objects.txt");
+    for (std::string line; std::getline(list, line);) {
+        const fs::path path = fs::path(line).lexically_normal();
+        if (path.extension() != ".o") continue;
+        const std::size_t rank = rankOf(path.parent_path().filename().string());
+        const auto symbols = [&](const std::string& which) {
+            return wordsOf(outputOf("nm --format=just-symbols " + which + " '" + path.string() + "'"));
+        };
+        objects.push_back({path, rank, symbols("--defined-only --extern-only"), symbols("--undefined-only")});
+    }
+    return objects;
+}
+
 }  // namespace
+
+TEST(Layering, ModulesLinkWithThoseAboveThemAlone) {
+    const std::vector<ObjectFile> objects = libraryObjects();
+    std::map<std::string, std::size_t> highest;  // rank of the first module that defines a symbol
+    std::map<std::string, std::string> where;
+    std::size_t symbols = 0;
+    for (const ObjectFile& object : objects) {
+        ASSERT_LT(object.rank, kModules.size()) << object.path << ": a module that is not in the list";
+        for (const std::string& symbol : object.defined) {
+            const auto known = highest.find(symbol);
+            if (known != highest.end() && known->second <= object.rank) continue;
+            highest[symbol] = object.rank;
+            where[symbol] = object.path.filename().string();
+        }
+        symbols += object.undefined.size();
+    }
+    EXPECT_GT(objects.size(), 50u);
+    EXPECT_GT(symbols, 1000u);
+    for (const ObjectFile& object : objects)
+        for (const std::string& symbol : object.undefined) {
+            const auto definition = highest.find(symbol);
+            if (definition == highest.end()) continue;  // of a library
+            EXPECT_LE(definition->second, object.rank)
+                << kModules[object.rank] << "/" << object.path.filename().string() << " needs "
+                << outputOf("c++filt '" + symbol + "'") << "from " << kModules[definition->second] << "/"
+                << where[symbol];
+        }
+}
+
+// What makes units slow to compile is OpenVDB's trees: those of float and vec3s are made once.
+TEST(Layering, OneUnitInstantiatesTheTrees) {
+    // Members of Tree<...LeafNode<float ...>> and Grid<...>, mangled; `once` is a flag that inline functions leave.
+    const std::regex member("_ZNK?7openvdb[0-9]+v[0-9_]+(4tree4TreeI|4GridI).*LeafNodeI(f|NS[^E]*4Vec3IfE).*");
+    std::set<std::string> units;
+    for (const ObjectFile& object : libraryObjects())
+        for (const std::string& symbol : object.defined)
+            if (std::regex_match(symbol, member) && symbol.find("4once") == std::string::npos)
+                units.insert(object.path.filename().string());
+    EXPECT_EQ(units, std::set<std::string>{"grids.cpp.o"});
+}
 
 TEST(Layering, ModulesIncludeOnlyThoseAboveThem) {
     const fs::path library = fs::path(raysweep::test::sourceFolder()) / "lib" / "raysweep";

@@ -1,6 +1,8 @@
 /// The only place that sees oneTBB. Every sum made here is the same for any number of threads.
 #pragma once
 
+#include "raysweep/core/task_order.h"
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -38,9 +40,13 @@ inline int threadCount() {
 template <class Body>
 void parallelFor(std::size_t count, const Body& body, std::size_t grain = 1) {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
+    detail::TaskOrder order;
     oneapi::tbb::parallel_for(Range(0, count, grain), [&](const Range& range) {
+        order.taskBegins();
         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+        order.taskEnds();
     });
+    order.allHaveEnded();
 }
 
 /// Calls `body(i, j)` for every cell of a table of `rows` x `columns`, each after the cells (i-1, j) and (i, j-1).
@@ -52,19 +58,25 @@ void parallelWavefront(int rows, int columns, const Body& body) {
     const auto at = [&](int i, int j) { return std::size_t(i) * std::size_t(columns) + std::size_t(j); };
     for (int i = 0; i < rows; ++i)
         for (int j = 0; j < columns; ++j) waitsFor[at(i, j)] = (i > 0) + (j > 0);
+    detail::TaskOrder order;
     oneapi::tbb::task_group group;
     const auto isReady = [&](int i, int j) { return i < rows && j < columns && --waitsFor[at(i, j)] == 0; };
     // Goes on to the next row as long as it can: what the cell has left in the cache is needed there.
     const auto run = [&](const auto& self, int i, int j) -> void {
+        order.taskBegins();
         for (;;) {
+            // By this ThreadSanitizer sees that the cells before this one are done: oneTBB hands tasks over unseen.
+            waitsFor[at(i, j)].load(std::memory_order_acquire);
             body(i, j);
             const bool down = isReady(i + 1, j), aside = isReady(i, j + 1);
-            if (down && aside) group.run([&self, i, j] { self(self, i, j + 1); });
-            if (!down && !aside) return;
+            if (down && aside) group.run([&self, i, j]() RAYSWEEP_NOT_UNDER_TSAN { self(self, i, j + 1); });
+            if (!down && !aside) break;
             down ? ++i : ++j;
         }
+        order.taskEnds();
     };
     group.run_and_wait([&] { run(run, 0, 0); });
+    order.allHaveEnded();
 }
 
 /// Sum of `term(i)` over [0, count). Terms are added in the order of i within fixed chunks, and the chunks in

@@ -1,5 +1,6 @@
 /// The grid types that Raysweep works with. Instantiating OpenVDB's trees is what makes compilation slow: those of
 /// floats and colours are compiled in grids.cpp, whole; other units compile only the member templates that they call.
+/// This header is precompiled for the library, the command and the tests.
 #pragma once
 
 #include "raysweep/core/error.h"
