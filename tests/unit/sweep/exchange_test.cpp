@@ -103,7 +103,7 @@ VoxelTerms termsOf(const PlainBeam& step, PackedNormal normal, double tau, doubl
         return {opacity * (paper ? std::min(1.0, -cosine) : 1), 0, albedo};
     }
     if (step.model == ExchangeModel::paper) return {opacity, double(step.zeta), albedo};
-    const double p = step.escape.numerator(tau) / step.escape.denominator(tau);
+    const double p = step.escape.probability(tau);
     const double ratio = along > 0 ? opacity / along : 1;
     return {opacity, std::min(double(step.mostShot), double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
 }
@@ -329,7 +329,7 @@ TEST(Exchange, EffectiveAlbedoOfAConservativeVoxelIsOneAtAnyDepth) {
     for (int i = 0; i < kBrickVoxels; ++i) albedo[i] = 0.7f;
     effectiveAlbedos(ExchangeModel::consistent, fit, nullptr, tau, albedo, g);
     for (int i = 0; i < kBrickVoxels; ++i) {
-        const double p = fit.numerator(double(tau[i])) / fit.denominator(double(tau[i]));
+        const double p = fit.probability(double(tau[i]));
         EXPECT_LE(std::abs(double(g[i]) / effectiveAlbedo(double(albedo[i]), p) - 1), 1e-6) << tau[i];
     }
 }
