@@ -269,6 +269,10 @@ double worstOfAnswer(const Medium& medium, const Illumination& lit) {
 
 }  // namespace
 
+// Asked: 1e-4 from a coarse start, 1e-5 from the dark. Found: the rounding of floats, 2.5e-7 at most, in the thick
+// block, where power is scattered most often.
+constexpr double kRounding = 2.75e-7;
+
 // Whatever the way to it: what the fields that users get absorb is what is reported, and closes the balance.
 TEST(Energy, TheAnswerAbsorbsWhatIsBooked) {
     for (const MediumCase& c : mediumCases())
@@ -282,7 +286,7 @@ TEST(Energy, TheAnswerAbsorbsWhatIsBooked) {
                 worst = std::max(worst, worstOfAnswer(c.scene.medium, illuminate(c.scene, options)));
             }
             std::printf("  %-55s %s start: %.1e\n", c.name.c_str(), dark ? "dark  " : "coarse", worst);
-            EXPECT_LE(worst, dark ? 1e-5 : 1e-4) << c.name;
+            EXPECT_LE(worst, kRounding) << c.name;
         }
 }
 
@@ -297,8 +301,7 @@ TEST(Energy, TheAnswerAbsorbsWhatIsBookedByEveryMethod) {
                 options.interpolation = interpolation;
                 options.remaining = remaining;
                 options.beams = beams;
-                EXPECT_LE(worstOfAnswer(c.scene.medium, illuminate(c.scene, options)),
-                          remaining == Remaining::shoot ? 1e-4 : 1e-5)
+                EXPECT_LE(worstOfAnswer(c.scene.medium, illuminate(c.scene, options)), kRounding)
                     << "interpolation " << int(interpolation) << ", remaining " << int(remaining) << ", " << beams
                     << " beams";
             }
