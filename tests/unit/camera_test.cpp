@@ -86,8 +86,8 @@ TEST(Camera, ErrorsNameTheField) {
     EXPECT_TRUE(contains(message([](Camera& c) { c.up = Vec3(0); }), "up"));
     EXPECT_TRUE(contains(message([&](Camera& c) { c.eye.x = nan; }), "eye"));
     for (double fov : {0.0, 180.0, -1.0, nan}) EXPECT_TRUE(contains(message([&](Camera& c) { c.fov = fov; }), "fov"));
-    EXPECT_TRUE(contains(message([](Camera& c) { c.width = 0; }), "size"));
-    EXPECT_TRUE(contains(message([](Camera& c) { c.height = -1; }), "size"));
+    EXPECT_TRUE(contains(message([](Camera& c) { c.width = 0; }), "width"));
+    EXPECT_TRUE(contains(message([](Camera& c) { c.height = -1; }), "height"));
     EXPECT_TRUE(contains(message([](Camera& c) {
                              c.projection = Camera::Projection::Orthographic;
                              c.orthoWidth = 0;

@@ -194,7 +194,7 @@ TEST_F(Import, OptionsOutOfBoundsAreNamed) {
     const auto refuse = [&](const std::string& field, const auto& spoil) {
         ImportOptions spoiled = options;
         spoil(spoiled);
-        expectError({folder / "a.raw"}, field + " is", spoiled);
+        expectError({folder / "a.raw"}, field + " ", spoiled);
     };
     refuse("tolerance", [](auto& o) { o.tolerance = -1; });
     refuse("tolerance", [&](auto& o) { o.tolerance = nan; });

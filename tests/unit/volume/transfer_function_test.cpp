@@ -133,5 +133,5 @@ TEST(TransferFunction, FilesWithErrorsAreRefusedWithFilePointAndBound) {
     for (const char* color : {"[1,1]", "1", "[1,1,\"x\"]", "\"red\""})
         expectComplaint(R"([{"value": 1, "opacity": 1, "color": )" + std::string(color) + "}]",
                         "not a list of three numbers");
-    expectComplaint(R"([{"value": 1, "opacity": 1, "color": [1,255,0]}])", "point 1: color is 255");
+    expectComplaint(R"([{"value": 1, "opacity": 1, "color": [1,255,0]}])", "point 1: color 255");
 }
