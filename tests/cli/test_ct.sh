@@ -31,8 +31,9 @@ ct() { expect_exit 0 "$raysweep" ct "$@" --report report.json; }
 rms_below() { expect_exit 0 "$raysweep" compare "$1" box.vdb --max-rms "$2"; }
 same() { expect_exit 0 "$raysweep" compare "$1" "$2" --max-rms 0; }
 
-# Every method, for both beams; what the report says.
-for beam in "p.mha --parallel" "c.mha --cone 120,180"; do
+# Every method, for both beams; what the report says. Limits are at most 10 % above what is found, unless said otherwise.
+by_sart_and_filtering() {  # BEAM RMS RESIDUAL RMS-OF-FBP
+    local beam=$1 rms=$2 residual=$3 direct=$4
     ct $beam -o vol.vdb $grid --nonnegative --relaxation 0.9 --iterations 3 --reference box.vdb
     expect_silent
     for key in seconds seconds_per_update updates residual_history rms_history peak_bytes; do
@@ -40,27 +41,29 @@ for beam in "p.mha --parallel" "c.mha --cone 120,180"; do
     done
     expect_json report.json "r['dims'] == [64, 64, 32] and r['updates'] == 90 and r['termination'] == 'iterations'"
     expect_json report.json "len(r['rms_history']) == 3 and r['rms_history'] == sorted(r['rms_history'])[::-1]"
-    expect_json report.json "r['rms_history'][-1] < 0.07 and r['residual_history'][-1] < 0.02"
+    expect_json report.json "r['rms_history'][-1] < $rms and r['residual_history'][-1] < $residual"
     expect_json report.json "r['input']['views'] == 30 and r['input']['format'] == 'MetaImage'"
     ct $beam -o direct.vdb $grid --method fbp --reference box.vdb
-    expect_json report.json "r['rms'] < 0.2"
-done
+    expect_json report.json "r['rms'] < $direct"
+}
+by_sart_and_filtering "p.mha --parallel" 0.0143 0.0039 0.101     # found: 0.0130 0.0036 0.092
+by_sart_and_filtering "c.mha --cone 120,180" 0.0562 0.0128 0.143  # found: 0.0511 0.0117 0.131
 ct c.mha --cone 120,180 -o fdk.vdb $grid --method fdk
 same fdk.vdb direct.vdb
 ct p.mha --parallel -o vol.vdb $grid --method os-sart --subset 5 --reference box.vdb
-expect_json report.json "r['updates'] == 30 and r['rms_history'][-1] < 0.1"
+expect_json report.json "r['updates'] == 30 and r['rms_history'][-1] < 0.087"  # found: 0.0793
 ct p.mha --parallel -o vol.vdb $grid --method sirt --relaxation 1 --iterations 10 --reference box.vdb
-expect_json report.json "r['updates'] == 10 and r['rms_history'][-1] < r['rms_history'][0] < 0.3"
+expect_json report.json "r['updates'] == 10 and r['rms_history'][0] < 0.244 and r['rms_history'][-1] < 0.112"  # found: 0.222, 0.1025
 ct p.mha --parallel -o vol.vdb $grid --support none --tv 0.2 --reference box.vdb
-expect_json report.json "r['voxels_kept'] >= 64 * 64 * 32 and r['rms_history'][-1] < 0.08"
+expect_json report.json "r['voxels_kept'] >= 64 * 64 * 32 and r['rms_history'][-1] < 0.035"  # found: 0.0319
 ct p.mha --parallel -o vol.vdb $grid --stop-residual 0.05 --iterations 50
-expect_json report.json "r['termination'] == 'residual' and r['updates'] < 300 and r['residual_history'][-1] < 0.05"
+expect_json report.json "r['termination'] == 'residual' and r['updates'] == 60 and r['residual_history'][-1] < 0.05"
 for order in random sequential golden; do ct p.mha --parallel -o $order.vdb $grid --order $order --iterations 1; done
 
 # Nothing is lost where the grid is all that the detector sees, as it is without --size: support stays that of the object.
 ct p.mha --parallel -o all.vdb
-expect_json report.json "r['dims'] == [96, 96, 40] and r['voxels_kept'] < 96 * 96 * 40 / 2"
-rms_below all.vdb 0.05
+expect_json report.json "r['dims'] == [96, 96, 40] and r['voxels_kept'] == 73728"  # a fifth
+rms_below all.vdb 0.039  # found: 0.0356
 
 # Starting from another volume.
 ct p.mha --parallel -o a.vdb $grid --method fbp
@@ -68,7 +71,7 @@ ct p.mha --parallel -o vol.vdb $grid --initial a.vdb --iterations 1
 ct p.mha --parallel -o b.vdb $grid --initial fbp --iterations 1
 same vol.vdb b.vdb
 ct p.mha --parallel -o vol.vdb $grid --initial box.vdb --iterations 1
-expect_json report.json "r['residual_history'][0] < 1e-4"
+expect_json report.json "r['residual_history'][0] < 1e-7"  # the last bits
 
 # Threads change nothing, the order's seed does; --half is as good; --config says the same as options.
 ct p.mha --parallel -o one.vdb $grid --order random --iterations 1 --threads 1
@@ -77,7 +80,7 @@ same one.vdb two.vdb
 ct p.mha --parallel -o two.vdb $grid --order random --iterations 1 --seed 2
 expect_exit 1 "$raysweep" compare one.vdb two.vdb --max-rms 0
 ct p.mha --parallel -o two.vdb $grid --order random --iterations 1 --half
-expect_exit 0 "$raysweep" compare one.vdb two.vdb --max-rms 1e-3
+expect_exit 0 "$raysweep" compare one.vdb two.vdb --max-rms 1.77e-4  # found: 1.61e-4; halves have 11 bits
 printf 'parallel = true\nsize = [64, 64, 32]\nspacing = 1\norder = "random"\niterations = 1\n' >ct.toml
 ct p.mha -o two.vdb --config ct.toml
 same one.vdb two.vdb
@@ -129,9 +132,9 @@ open("rtk.xml", "w").write("""<?xml version="1.0"?><!DOCTYPE RTKGEOMETRY><RTKThr
 END
 expect_exit 0 "$raysweep" project box.vdb -o rtk.mha --geometry rtk.json
 ct rtk.mha --geometry rtk.xml -o a.vdb $grid --nonnegative
-rms_below a.vdb 0.08
+rms_below a.vdb 0.073  # found: 0.0664
 ct rtk.mha --geometry rtk.json -o b.vdb $grid --nonnegative
-expect_exit 0 "$raysweep" compare a.vdb b.vdb --max-rms 1e-4
+expect_exit 0 "$raysweep" compare a.vdb b.vdb --max-rms 1e-6  # the last bits of angles
 expect_exit 1 "$raysweep" ct p_*.exr --geometry rtk.xml -o a.vdb
 expect_match "'rtk.xml': RTK's geometries say nothing about the detector's pixels"
 
@@ -153,12 +156,12 @@ ct counts.mha --flat flat.mha --dark dark.mha --scale 20 --parallel -o vol.vdb $
 expect_silent
 expect_json report.json "r['input']['pixels_dead'] == 1 and r['input']['values_not_measured'] == 30"
 expect_json report.json "r['input']['values_saturated'] == 0"
-rms_below vol.vdb 0.05
+rms_below vol.vdb 0.0475  # found: 0.0432
 ct counts.mha --flat flat.mha --dark dark.mha --scale 20 --parallel -o vol.vdb $grid --method fbp
 ct counts.mha --flat few.mha --dark dark.mha --parallel -o vol.vdb $grid
 expect_match "2880 of 3840 pixels are dead; are --flat and --dark what they should be?"
 ct p.mha --saturation 30 --parallel -o vol.vdb $grid
-expect_json report.json "r['input']['values_saturated'] > 1000"
+expect_json report.json "r['input']['values_saturated'] == 18027"
 
 # Pictures and curves.
 ct p.mha --parallel -o vol.vdb $grid --slices slices.png --plot plot.svg --history 10 --iterations 2 --reference box.vdb
@@ -173,7 +176,7 @@ wait $!
 [ $? = 130 ] || fail "Ctrl-C did not end with 130"
 expect_match "'stopped.vdb' holds the volume so far"
 expect_json report.json "r['termination'] == 'interrupted' and r['updates'] > 0"
-rms_below stopped.vdb 0.1
+rms_below stopped.vdb 0.1  # after a second, however far that is
 
 # What was hardly meant is warned of.
 ct c.mha --cone 12,18 -o vol.vdb
@@ -248,7 +251,7 @@ refused 1 "are the frames swapped?" counts.mha $out --parallel --flat dark.mha -
 refused 1 "the flat frame has" counts.mha $out --parallel --flat c.mha
 ct nan.mha --parallel -o repaired.vdb --repair $grid
 expect_json report.json "r['input']['values_not_measured'] == 1"
-rms_below repaired.vdb 0.05
+rms_below repaired.vdb 0.0468  # found: 0.0426
 ct p_0001.exr --parallel -o single.vdb $grid  # a single view is fine where the grid is known
 
 # Usage errors.

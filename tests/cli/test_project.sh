@@ -31,21 +31,21 @@ sums() { python3 sums.py "$1" >sums.json; }
 project box.vdb -o p.mha --parallel --views 8 --detector 96,48
 sums p.mha
 expect_json sums.json "r['dims'] == [96, 48, 8] and r['spacing'] == '1 1 1' and r['offset'] == '-47.5 -23.5 0'"
-expect_json sums.json "max(r['sums']) < 1.002 * min(r['sums']) and r['min'] == 0"
+expect_json sums.json "max(r['sums']) < 1.00045 * min(r['sums']) and r['min'] == 0"  # found: 1.00041
 for key in views width height seconds seconds_per_view max mean saturated; do expect_json report.json "'$key' in r"; done
-expect_json report.json "r['views'] == 8 and r['width'] == 96 and r['height'] == 48 and 40 <= r['max'] <= 60"
+expect_json report.json "r['views'] == 8 and r['width'] == 96 and r['height'] == 48 and 55 <= r['max'] <= 56.6"  # the box's diagonal is 56.57
 cp p.mha parallel.mha
 json sums.json "sum(r['sums'])" >total.txt
-# Twice the extinction, half the pitch.
+# Twice the extinction, half the pitch. Found: 1.11e-4.
 project box.vdb -o p.mha --parallel --views 8 --detector 192,96,0.5 --extinction 2
 sums p.mha
-expect_json sums.json "abs(sum(r['sums']) / 8 / $(cat total.txt) - 1) < 0.01 and r['offset'] == '-47.75 -23.75 0'"
+expect_json sums.json "abs(sum(r['sums']) / 8 / $(cat total.txt) - 1) < 1.22e-4 and r['offset'] == '-47.75 -23.75 0'"
 # The axis passes the volume's middle, or another point on request.
 project box.vdb -o p.mha --parallel --views 8 --detector 96,48 --orbit-center 0,0,0
 cmp -s p.mha parallel.mha || fail "the axis does not pass the box's middle"
 project box.vdb -o p.mha --parallel --views 1 --detector 96,48 --orbit-center 0,30,0
 sums p.mha
-expect_json sums.json "0.2 < 8 * sum(r['sums']) / $(cat total.txt) < 0.99"  # a part of it is beside the detector
+expect_json sums.json "abs(8 * sum(r['sums']) / $(cat total.txt) - 0.95) < 0.0021"  # 2 of its 40 columns are beside the detector
 # Threads change nothing.
 project box.vdb -o one.mha --cone 120,180 --views 8 --detector 96,48 --threads 1
 project box.vdb -o two.mha --cone 120,180 --views 8 --detector 96,48 --threads 2
@@ -73,7 +73,7 @@ cmp -s a.mha c.mha && fail "noise does not depend on the seed"
 project box.vdb -o p.mha --parallel --views 8 --detector 96,48 --saturation 20 --bits 4
 sums p.mha
 expect_json sums.json "r['max'] == 20 and r['different'] <= 16"
-expect_json report.json "r['saturated'] > 100"
+expect_json report.json "r['saturated'] == 5990"
 
 # What was hardly meant is warned of.
 expect_exit 0 "$raysweep" project box.vdb -o p.mha --parallel --views 2 --detector 96,48 --photons 1000

@@ -6,11 +6,11 @@
 /// Cones, FDK (L. A. Feldkamp, L. C. Davis and J. W. Kress, "Practical cone-beam algorithm", J. Opt. Soc. Am. A 1,
 /// 1984; Kak and Slaney, section 3.6; docs/ct.md, eq. 4), exact in the sources' plane:
 ///
-///     x(r) = Σ_n R / (SDD pitch) (h * w_n cos φ p_n)(u_n(r), v_n(r)) / depth_n(r)²                          (4)
+///     x(r) = Σ_n SID / (SDD pitch) (h * w_n cos φ p_n)(u_n(r), v_n(r)) / depth_n(r)²                        (4)
 ///
 /// n: views; h: ramp filter along detector rows (ramp_filter.h, eq. 5), samples `pitch` apart; u, v: pixel onto which r
 /// falls; Δθ_n: part of half a turn that view n stands for (scan_angles.h); w_n: Δβ_n / 2 in a full turn, else Δβ_n
-/// times Parker's weight; φ: angle of a ray with the one to the axis; R: source to axis (SID); depth: 0 at the source,
+/// times Parker's weight; φ: angle of a ray with the one to the axis; depth: 0 at the source,
 /// 1 on the detector.
 #pragma once
 
