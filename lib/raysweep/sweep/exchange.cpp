@@ -35,6 +35,10 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
         if (normals) surfaces = rowSurfaces(step, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
+            if (rule.paper && !normals) {  // no need of the terms
+                shot = hn::Add(shot, hn::Set(kLanes, rule.most));
+                continue;
+            }
             RowTerms terms = rowTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
             if (normals) applySurfaces(rule, beam.front.direction, surfaces, terms);
             shot = hn::Add(shot, terms.shot);

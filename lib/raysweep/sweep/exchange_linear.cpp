@@ -140,8 +140,8 @@ HWY_INLINE void fillSurfaces(const SweepAxis& axis, const Quartet& quartet, cons
 }
 
 template <int kChannels>
-void fill(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& fields, const ExchangeStep& step,
-          LinearBrick<kChannels>& brick) {
+HWY_NOINLINE void fill(const SweepAxis& axis, const Quartet& quartet, const ExchangeFields& fields,
+                       const ExchangeStep& step, LinearBrick<kChannels>& brick) {
     clear(brick.tau);
     for (int c = 0; c < kChannels; ++c) {
         clear(brick.unshot[c]);
@@ -217,9 +217,8 @@ struct Stencil {
 
 /// Opacity and emission of the voxels of slice `j`.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_NOINLINE void findTerms(const ExchangeStep& step, const Beam& beam, const LinearBrick<kChannels>& brick, int j,
-                            LinearSlice<kChannels>& slice) {
-    const ShotRule rule(step);
+HWY_INLINE void findTerms(const ExchangeStep& step, const ShotRule& rule, const Beam& beam,
+                          const LinearBrick<kChannels>& brick, int j, LinearSlice<kChannels>& slice) {
     for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, brick.tau.value[j] + i);
         const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j] + i);
@@ -246,8 +245,8 @@ HWY_INLINE float* remembered(float* rays, int row, int lane) {
 
 /// Takes the rays of a beam through a slice, and remembers what they were before.
 template <int kChannels, bool kClipped>
-HWY_NOINLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
-                           LinearSlice<kChannels>& slice) {
+HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
+                         LinearSlice<kChannels>& slice) {
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const int start = firstRay * kEdge + lane;
         Vec opacity = stencil.acrossColumns(slice.opacity + start), out[kChannels];
@@ -315,8 +314,8 @@ HWY_NOINLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Ste
 
 /// Adds what the voxels of a slice take of the rays around them.
 /// @param rays as remembered  @param incoming room for what rays bring to each voxel
-HWY_NOINLINE void takeFromRays(const Stencil& stencil, const float* opacity, const float* rays, float* incoming,
-                               float* in) {
+HWY_INLINE void takeFromRays(const Stencil& stencil, const float* opacity, const float* rays, float* incoming,
+                             float* in) {
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
         const auto fromColumns = [&](int row) {
             const float* const at = rays + row * kEdge + lane;
@@ -340,34 +339,35 @@ HWY_NOINLINE void takeFromRays(const Stencil& stencil, const float* opacity, con
     }
 }
 
-/// Which of its versions finds the terms of a brick's slices.
+/// `stepRays` where a brick hangs over the lattice, which is rare.
 template <int kChannels>
-auto termsFinder(const LinearBrick<kChannels>& brick, float mostScale) {
-    if (brick.surfaces) return &findTerms<kChannels, false, true>;
-    return brick.thickest * mostScale <= kThin ? &findTerms<kChannels, true, false>
-                                               : &findTerms<kChannels, false, false>;
+HWY_NOINLINE void stepClippedRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
+                                  LinearSlice<kChannels>& slice) {
+    stepRays<kChannels, true>(beam, clip, stencil, firstRay, slice);
 }
 
-template <int kChannels>
-void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step, float mostScale,
-                    LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
+template <int kChannels, bool kThinOnly, bool kSurfaces>
+HWY_NOINLINE void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+                                 LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
     const RayFront& front = swept.beams[0].front;
-    const auto find = termsFinder(brick, mostScale);
+    const ShotRule rule(step);
     clear(slice);
     for (int j = 0; j < kBrickEdge; ++j) {
         const int k = visit.step + j, at = front.ascending ? j : kBrickEdge - 1 - j;
         const Clip clip = clipToLattice(front, swept.rays[0], visit, k);
         if (clip.empty()) continue;
-        const auto takeThrough = clip.whole() ? &stepRays<kChannels, false> : &stepRays<kChannels, true>;
         for (std::size_t b = 0; b < swept.count(); ++b) {
             const Beam& beam = swept.beams[b];
-            const BeamSlice rays = beamSlice(beam, swept.rays[b], visit, k, brick.furnace);
+            const BeamSlice rays = beamSlice(beam, swept.rays[b], visit, k, kSurfaces && brick.furnace);
             const Stencil stencil(beam.front, k);
-            find(step, beam, brick, at, slice);
-            takeThrough(rays, clip, stencil, brick.firstRay, slice);
+            findTerms<kChannels, kThinOnly, kSurfaces>(step, rule, beam, brick, at, slice);
+            if (clip.whole())
+                stepRays<kChannels, false>(rays, clip, stencil, brick.firstRay, slice);
+            else
+                stepClippedRays(rays, clip, stencil, brick.firstRay, slice);
             for (int c = 0; c < kChannels; ++c)
                 takeFromRays(stencil, slice.opacity, slice.rays[c], slice.incoming, brick.in[c].value[at]);
-            if (!brick.furnace) continue;
+            if (!kSurfaces || !brick.furnace) continue;
             stepFurnace(rays, clip, stencil, brick.firstRay, k, slice);
             takeFromRays(stencil, slice.taken, slice.furnace, slice.incoming, brick.furnaceIn.value[at]);
         }
@@ -384,7 +384,12 @@ void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visi
     for (const BrickVisit& visit : visits) {
         const Quartet quartet(visit);
         fill(axis, quartet, fields, step, brick);
-        exchangeSlices(swept, visit, step, mostScale, brick, slice);
+        if (brick.surfaces)
+            exchangeSlices<kChannels, false, true>(swept, visit, step, brick, slice);
+        else if (brick.thickest * mostScale <= kThin)
+            exchangeSlices<kChannels, true, false>(swept, visit, step, brick, slice);
+        else
+            exchangeSlices<kChannels, false, false>(swept, visit, step, brick, slice);
         addTaken(axis, quartet, brick, fields);
     }
 }

@@ -115,27 +115,23 @@ HWY_INLINE SliceView<kChannels> viewSlices(const SweepAxis& axis, const Brick<kC
 /// lies beyond from the slices: rows without a ray look empty, and lanes without one have nothing to shoot, so that the
 /// rays in the lattice's padding, which they meet instead, stay dark.
 template <int kChannels>
-void clipSlices(const SweptBeams& swept, const BrickVisit& visit, SliceView<kChannels>& view,
-                Exchanged<kChannels>& to) {
-    const RayFront& front = swept.beams[0].front;
-    if (view.tau != to.tau) std::copy_n(view.tau, kBrickVoxels, to.tau);
-    view.tau = to.tau;
-    for (int c = 0; c < kChannels; ++c) {
-        if (view.unshot[c] != to.unshot[c]) std::copy_n(view.unshot[c], kBrickVoxels, to.unshot[c]);
-        view.unshot[c] = to.unshot[c];
-    }
+void clipSlices(const RayFront& front, const BrickClip& clips, SliceView<kChannels>& view, Exchanged<kChannels>& to) {
     for (int j = 0; j < kBrickEdge; ++j) {
-        const Clip clip = clipToLattice(front, swept.rays[0], visit, visit.step + j);
-        const int slice = front.ascending ? j : kBrickEdge - 1 - j;
-        for (int row = 0; row < kBrickEdge; ++row)
-            for (int lane = 0; lane < kBrickEdge; ++lane) {
-                const int at = slice * front.axis.sliceStride + row * front.axis.rowStride + lane;
-                const bool missed = clip.empty() || clip.missesRow(row);
-                if (missed) to.tau[at] = 0;
-                to.raysMet[at] = missed || clip.missesColumn(lane) ? 0.0f : 1.0f;
-                for (int c = 0; c < kChannels; ++c) to.unshot[c][at] *= to.raysMet[at];
+        const Clip& clip = clips.slices[j];
+        int at = (front.ascending ? j : kBrickEdge - 1 - j) * front.axis.sliceStride;
+        for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
+            for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+                const int i = at + lane;
+                const bool missed = clip.missesRow(row) || clip.empty();
+                const Vec met = missed ? hn::Zero(kLanes) : hn::IfThenElseZero(clip.lanes(lane), hn::Set(kLanes, 1.0f));
+                hn::Store(met, kLanes, to.raysMet + i);
+                hn::Store(missed ? hn::Zero(kLanes) : hn::Load(kLanes, view.tau + i), kLanes, to.tau + i);
+                for (int c = 0; c < kChannels; ++c)
+                    hn::Store(hn::Mul(met, hn::Load(kLanes, view.unshot[c] + i)), kLanes, to.unshot[c] + i);
             }
     }
+    view.tau = to.tau;
+    for (int c = 0; c < kChannels; ++c) view.unshot[c] = to.unshot[c];
 }
 
 /// Local furnace of eight rays. @return what the voxels take
@@ -300,8 +296,8 @@ HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, 
     const SweepAxis& axis = swept.beams[0].front.axis;
     const float thickest = findEscape(step, brick.tau, exchanged.inverseEscape);
     SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
-    const bool clipped = hangsOver(swept, visit);
-    if (clipped) clipSlices(swept, visit, view, exchanged);
+    const BrickClip clips(swept, visit);
+    if (!clips.whole) clipSlices(swept.beams[0].front, clips, view, exchanged);
     if (brick.normals)
         exchangeSlices<kChannels, false, true>(swept, visit, step, mostScale, view, brick, next, exchanged);
     else if (thickest * mostScale <= kThin)
@@ -315,9 +311,9 @@ HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, 
             turn(exchanged.out[c]);
         }
         if (brick.furnace) turn(exchanged.furnace);
-        if (clipped) turn(exchanged.raysMet);
+        if (!clips.whole) turn(exchanged.raysMet);
     }
-    bookExchange<kChannels>(brick, int(swept.count()), clipped, exchanged);
+    bookExchange<kChannels>(brick, int(swept.count()), !clips.whole, exchanged);
 }
 
 template <int kChannels>
