@@ -5,6 +5,7 @@
 #include <ImathMatrix.h>
 #include <ImathVec.h>
 
+#include <cmath>
 #include <cstdint>
 
 namespace raysweep {
@@ -24,6 +25,12 @@ inline bool isGrey(const Color& c) {
 }
 inline float maxComponent(const Color& c) {
     return c.x > c.y ? (c.x > c.z ? c.x : c.z) : (c.y > c.z ? c.y : c.z);
+}
+
+/// The axis along which a direction (in index space) is longest.
+inline int majorAxis(const Vec3& direction) {
+    const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
+    return x >= y && x >= z ? 0 : (y >= z ? 1 : 2);
 }
 
 }  // namespace raysweep

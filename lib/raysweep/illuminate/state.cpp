@@ -161,16 +161,16 @@ double sumOf(const BrickField& field) {
         16);
 }
 
-ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams) {
-    ExchangeStep step;
-    step.model = state.exchange;
-    step.escape = state.escape.fit();
-    step.zeta = float(zeta);
+ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int beams) {
+    ExchangeConstants constants;
+    constants.model = state.exchange;
+    constants.escape = state.escape.fit();
+    constants.zeta = float(zeta);
     // A hair less than its share where shares are rounded, so that together they never take more than there is.
     constexpr float kRounding = 1e-6f;
-    step.mostShot = (beams & (beams - 1)) == 0 ? 1.0f / float(beams) : (1 - kRounding) / float(beams);
-    step.solidTau = float(state.solidTau());
-    return step;
+    constants.mostShot = (beams & (beams - 1)) == 0 ? 1.0f / float(beams) : (1 - kRounding) / float(beams);
+    constants.solidTau = float(state.solidTau());
+    return constants;
 }
 
 Beam darkBeam(const SolverState& state, const RayFront& front) {

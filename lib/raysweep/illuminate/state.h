@@ -84,7 +84,7 @@ struct ChannelPower {
 double sumOf(const BrickField& field);
 
 /// The constants of a sweep of at most `beams` beams, each of which shoots the part `zeta`.
-ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams);
+ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int beams);
 
 /// The beam of `front`, dark.
 Beam darkBeam(const SolverState& state, const RayFront& front);

@@ -70,7 +70,7 @@ struct BrickClip {
         const RayFront& front = swept.beams[0].front;
         if (!front.column.periodic && !front.row.periodic) return;
         for (int j = 0; j < kBrickEdge; ++j) {
-            slices[j] = clipToLattice(front, swept.rays[0], visit, visit.step + j);
+            slices[j] = clipToLattice(front, swept.rays[0], visit, visit.slice + j);
             whole = whole && slices[j].whole();
         }
     }

@@ -9,6 +9,8 @@
 
 namespace raysweep {
 
+constexpr float kLongAgo = -1e9f;  ///< a slice long before the first
+
 /// Ray powers summed over a beam's rays at both ends, W.
 struct RaySums {
     double entered[kMaxChannels] = {0};
