@@ -98,9 +98,9 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
                 for (float& power : beams.back().entering) power = 1;
             }
         } while (int(beams.size()) < beamCount || (major < 3 && beams[0].front.axis.major != major));
-        const ExchangeStep step = exchangeStep(*state, 0.1 / beamCount, beamCount);
-        benchmark::DoNotOptimize(sweep(state->medium.volume, beams, interpolation, fields, step));
-        if (interpolation == Interpolation::linear) settle(state->medium.volume, beams, fields, step);
+        const ExchangeConstants constants = exchangeConstants(*state, 0.1 / beamCount, beamCount);
+        benchmark::DoNotOptimize(sweep(state->medium.volume, beams, interpolation, fields, constants));
+        if (interpolation == Interpolation::linear) settle(state->medium.volume, beams, fields, constants);
     };
     const double streaming = double(state->medium.volume.layout.activeVoxels) * kBytesPerVoxel / triadBandwidth();
     const ThreadLimit limit(threads);

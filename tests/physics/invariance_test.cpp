@@ -64,7 +64,7 @@ TEST(Invariance, OfTheNumberOfThreads) {
 }
 
 TEST(Invariance, OfThreadsWhereTilesOfRaysMeet) {
-    // Wide enough for several tiles of rays side by side, in rows and columns.
+    // Wide enough for several cells of the wavefront side by side.
     Scene scene;
     scene.medium.density = boxVolume({304, 296, 16});
     scene.medium.extinctionScale = 0.05;

@@ -16,14 +16,6 @@ namespace raysweep {
 constexpr int kBrickEdge = 8;      ///< voxels along a brick's edge, as in an OpenVDB leaf
 constexpr int kBrickVoxels = 512;  ///< voxels in a brick; offset (x<<6)|(y<<3)|z, as in an OpenVDB leaf
 
-/// Axes (x, y, z) of index space along which the bricks' bounding box repeats.
-using Periodic = std::array<bool, 3>;
-
-/// Along any axis.
-inline bool isPeriodic(const Periodic& periodic) {
-    return periodic[0] || periodic[1] || periodic[2];
-}
-
 /// The order of a layout's bricks.
 inline bool lessOrigin(const Index3& a, const Index3& b) {
     return a.x != b.x ? a.x < b.x : (a.y != b.y ? a.y < b.y : a.z < b.z);

@@ -103,7 +103,7 @@ void addSun(SolverState& state, const Sun& sun) {
     if (showsDirectLight(state)) fields.furnace = viewOf(furnace = BrickField(state.solid.surfaces.bricks.size()));
     beam.furnaceRay = 1;
     const RaySums totals =
-        sweep(state.medium.volume, {beam}, Interpolation::linear, fields, exchangeStep(state, 1, 1)).front();
+        sweep(state.medium.volume, {beam}, Interpolation::linear, fields, exchangeConstants(state, 1, 1)).front();
 
     ChannelPower power;
     for (int c = 0; c < state.medium.channels; ++c) {

@@ -1,6 +1,7 @@
 #include "raysweep/illuminate/options.h"
 
 #include "raysweep/core/require.h"
+#include "raysweep/sweep/exchange.h"
 
 #include <cmath>
 

@@ -3,7 +3,8 @@
 
 #include "raysweep/core/types.h"
 #include "raysweep/sweep/directions.h"
-#include "raysweep/sweep/sweep.h"
+#include "raysweep/sweep/interpolation.h"
+#include "raysweep/sweep/ray_sums.h"
 
 #include <openvdb/openvdb.h>
 

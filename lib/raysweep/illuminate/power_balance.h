@@ -2,7 +2,6 @@
 #pragma once
 
 #include "raysweep/core/types.h"
-#include "raysweep/sweep/beam.h"
 
 namespace raysweep {
 

@@ -157,16 +157,16 @@ double sumOf(const BrickField& field) {
         16);
 }
 
-ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams) {
-    ExchangeStep step;
-    step.model = state.medium.exchange;
-    step.escape = state.medium.escape.fit();
-    step.zeta = float(zeta);
+ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int beams) {
+    ExchangeConstants constants;
+    constants.model = state.medium.exchange;
+    constants.escape = state.medium.escape.fit();
+    constants.zeta = float(zeta);
     // A hair less than its share where shares are rounded, so that together they never take more than there is.
     constexpr float kRounding = 1e-6f;
-    step.mostShot = (beams & (beams - 1)) == 0 ? 1.0f / float(beams) : (1 - kRounding) / float(beams);
-    step.solidTau = float(state.solidTau());
-    return step;
+    constants.mostShot = (beams & (beams - 1)) == 0 ? 1.0f / float(beams) : (1 - kRounding) / float(beams);
+    constants.solidTau = float(state.solidTau());
+    return constants;
 }
 
 Beam darkBeam(const MediumFields& medium, const RayFront& front) {

@@ -5,6 +5,7 @@
 #include "raysweep/illuminate/options.h"
 #include "raysweep/illuminate/plan.h"
 #include "raysweep/illuminate/power_balance.h"
+#include "raysweep/sweep/sweep.h"
 
 #include <cmath>
 #include <utility>
@@ -98,7 +99,7 @@ void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, floa
 double sumOf(const BrickField& field);
 
 /// The constants of a sweep of at most `beams` beams, each of which shoots the part `zeta`.
-ExchangeStep exchangeStep(const SolverState& state, double zeta, int beams);
+ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int beams);
 
 /// The beam of `front`, dark.
 Beam darkBeam(const MediumFields& medium, const RayFront& front);

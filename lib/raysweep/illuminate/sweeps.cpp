@@ -85,10 +85,10 @@ class Solver {
         const std::vector<Vec3> directions = directions_.nextGroup(most);
         std::vector<Beam> beams;
         for (const Vec3& direction : directions) beams.push_back(nextBeam(direction, inject));
-        const ExchangeStep step = exchangeStep(state_, zeta_, mostBeams_);
+        const ExchangeConstants constants = exchangeConstants(state_, zeta_, mostBeams_);
         const ExchangeFields fields = exchangeFields(state_, inject == Inject::everything);
-        const std::vector<RaySums> sums = sweep(state_.medium.volume, beams, options_.interpolation, fields, step);
-        if (options_.interpolation == Interpolation::linear) settle(state_.medium.volume, beams, fields, step);
+        const std::vector<RaySums> sums = sweep(state_.medium.volume, beams, options_.interpolation, fields, constants);
+        if (options_.interpolation == Interpolation::linear) settle(state_.medium.volume, beams, fields, constants);
         for (std::size_t i = 0; i < sums.size(); ++i) {
             for (int c = 0; c < state_.medium.channels; ++c) {
                 state_.power.swept.injected[c] += sums[i].entered[c];

@@ -3,8 +3,6 @@
 
 #include "raysweep/core/types.h"
 
-#include <cmath>
-
 namespace raysweep {
 
 /// Slices are perpendicular to `major`. In a slice, rows follow each other along `row` (v) and the voxels of a row
@@ -25,12 +23,6 @@ inline SweepAxis sweepAxis(int major) {
         default:
             return {2, 0, 1, 8, 64, true};
     }
-}
-
-/// The axis along which a direction (in index space) is longest.
-inline int majorAxis(const Vec3& direction) {
-    const double x = std::abs(direction.x), y = std::abs(direction.y), z = std::abs(direction.z);
-    return x >= y && x >= z ? 0 : (y >= z ? 1 : 2);
 }
 
 /// Directions of one class (in index space) have their major axis and all signs of travel in common: their beams meet

@@ -5,8 +5,6 @@
 
 namespace raysweep {
 
-constexpr int kMaxChannels = 3;  ///< wavelengths solved side by side
-
 struct Beam {
     RayFront front;
     float stepScale = 1;                 ///< step length / mean step length

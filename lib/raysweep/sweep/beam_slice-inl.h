@@ -40,7 +40,6 @@ struct Clip {
     bool empty() const { return endRow <= firstRow || endColumn <= firstColumn; }
     bool whole() const { return firstRow == 0 && firstColumn == 0 && endRow == kBrickEdge && endColumn == kBrickEdge; }
     bool missesRow(int row) const { return row < firstRow || row >= endRow; }
-    bool missesColumn(int column) const { return column < firstColumn || column >= endColumn; }
     /// Columns from `lane` on that take part.
     HWY_INLINE hn::Mask<Lanes> lanes(int lane) const {
         const Vec index = hn::Iota(kLanes, float(lane));
@@ -62,14 +61,20 @@ inline Clip clipToLattice(const RayFront& front, const FrontRays& rays, const Br
     return clip;
 }
 
-/// Whether it does so in any slice of the brick.
-inline bool hangsOver(const SweptBeams& swept, const BrickVisit& visit) {
-    const RayFront& front = swept.beams[0].front;
-    if (!front.column.periodic && !front.row.periodic) return false;
-    for (int j = 0; j < kBrickEdge; ++j)
-        if (!clipToLattice(front, swept.rays[0], visit, visit.step + j).whole()) return true;
-    return false;
-}
+/// The same for all slices of a brick, in the order of travel.
+struct BrickClip {
+    Clip slices[kBrickEdge];
+    bool whole = true;  ///< nothing is clipped
+
+    BrickClip(const SweptBeams& swept, const BrickVisit& visit) {
+        const RayFront& front = swept.beams[0].front;
+        if (!front.column.periodic && !front.row.periodic) return;
+        for (int j = 0; j < kBrickEdge; ++j) {
+            slices[j] = clipToLattice(front, swept.rays[0], visit, visit.slice + j);
+            whole = whole && slices[j].whole();
+        }
+    }
+};
 
 inline float mostStepScale(const SweptBeams& swept) {
     float most = 0;

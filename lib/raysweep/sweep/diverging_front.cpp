@@ -101,21 +101,21 @@ struct VoxelPlace {
     std::size_t offset;
 };
 
-/// What a ray met in a slice.
-struct Met {
-    double power = 0, furnace = 0;  ///< taken
+/// What a slice takes of a ray.
+struct Taken {
+    double power = 0, furnace = 0;
     bool solid = false, leaving = false;
 };
 
 /// Exchanges a part `weight` of the ray with one voxel of optical depth tau * `length`.
-void meetVoxel(Field& field, const Ray& ray, const VoxelPlace& place, double weight, double length, Met& met) {
+void meetVoxel(Field& field, const Ray& ray, const VoxelPlace& place, double weight, double length, Taken& taken) {
     const float tau = field.source.tau.brick(place.brick)[place.offset];
     const PackedNormal* const normals = field.source.surfaces ? field.source.surfaces->normals(place.brick) : nullptr;
     const bool surface = normals && normals[place.offset] != 0;
     const double cosine = surface ? unpackNormal(normals[place.offset]).dot(ray.direction) : 0;
     const bool solid = (surface && tau > 0) || double(tau) >= field.source.solidTau;
-    met.solid = met.solid || solid;
-    met.leaving = met.leaving || (tau > 0 && cosine > double(kLeavingCosine));
+    taken.solid = taken.solid || solid;
+    taken.leaving = taken.leaving || (tau > 0 && cosine > double(kLeavingCosine));
     if (tau == 0 || (surface && cosine >= 0)) return;
     const double opacity = -std::expm1(-double(tau) * length);
     const auto take = [&](FixedField& to, std::size_t brick, double energy) {
@@ -123,11 +123,11 @@ void meetVoxel(Field& field, const Ray& ray, const VoxelPlace& place, double wei
         to[brick * std::size_t(kBrickVoxels) + place.offset].fetch_add(units, std::memory_order_relaxed);
         return double(units) / field.unitsPerPower;
     };
-    met.power += take(field.power, place.brick, ray.power);
-    if (solid && normals) met.furnace += take(field.furnace, field.source.surfaces->slots[place.brick], ray.furnace);
+    taken.power += take(field.power, place.brick, ray.power);
+    if (solid && normals) taken.furnace += take(field.furnace, field.source.surfaces->slots[place.brick], ray.furnace);
 }
 
-/// Steps one ray through the volume. @return the power left
+/// Takes one ray through the volume. @return the power left
 double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray ray, double lengthPerSlice) {
     const SweepAxis& axis = pyramid.axis;
     const Vec3& position = field.source.position;
@@ -143,7 +143,7 @@ double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray r
         const double length = (leave - enter) * lengthPerSlice * field.source.scale;
         const CellOverlap u(position[axis.column] + pyramid.slope(column) * z, width * z);
         const CellOverlap v(position[axis.row] + pyramid.slope(row) * z, width * z);
-        Met met;
+        Taken taken;
         for (int dv = 0; dv < 2; ++dv)
             for (int du = 0; du < 2; ++du) {
                 const double weight = u.weight[du] * v.weight[dv];
@@ -156,12 +156,12 @@ double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray r
                 if (cell != lastCell) brick = field.source.volume.map.find(voxel);
                 lastCell = cell;
                 if (brick == kNoBrick) continue;
-                meetVoxel(field, ray, {brick, offsetInBrick(voxel)}, weight, length, met);
+                meetVoxel(field, ray, {brick, offsetInBrick(voxel)}, weight, length, taken);
             }
-        ray.power = std::max(0.0, ray.power - met.power);
-        ray.furnace = std::max(0.0, ray.furnace - met.furnace);
-        if (met.solid) lastSolid = i;
-        if (met.leaving || i - lastSolid >= kSurfaceGap) ray.furnace = whole;
+        ray.power = std::max(0.0, ray.power - taken.power);
+        ray.furnace = std::max(0.0, ray.furnace - taken.furnace);
+        if (taken.solid) lastSolid = i;
+        if (taken.leaving || i - lastSolid >= kSurfaceGap) ray.furnace = whole;
     }
     return ray.power;
 }

@@ -1,14 +1,14 @@
-/// A front of diverging rays: the light of a point source, stepped slice by slice through the bricks.
+/// A front of diverging rays: the light of a point source, taken slice by slice through the bricks.
 ///
 /// Space around the source is cut into six pyramids, one for each direction of each axis, and each pyramid into a
 /// lattice of cells that are equal in slope and at most one voxel wide in the last slice. A ray carries the power of
 /// its cell's exact solid angle, so that all of them together carry all of it; in a slice it meets the (at most 2x2)
-/// voxels that the cell's cross-section overlaps, weighted by the overlap. Cells tile a slice without gap or overlap,
+/// voxels that the cell's cross-section overlaps, weighted by the overlap. Cells cover a slice without gap or overlap,
 /// so no voxel is missed and none counted twice, however the lattice falls on the voxels.
 #pragma once
 
 #include "raysweep/sweep/exchange.h"
-#include "raysweep/sweep/sweep.h"
+#include "raysweep/sweep/sweep_volume.h"
 
 namespace raysweep {
 
@@ -19,7 +19,7 @@ struct PointSource {
     BrickView<const float> tau;
     double scale = 1;                    ///< extinction, 1/world unit, is `scale` * tau
     const Surfaces* surfaces = nullptr;  ///< null: none
-    double solidTau = 1e30;              ///< see ExchangeStep
+    double solidTau = 1e30;              ///< see ExchangeConstants
 };
 
 /// What light of unit power leaves behind.

@@ -18,24 +18,28 @@ namespace HWY_NAMESPACE {
 namespace {
 
 /// 1 / p of the voxels at `i`, and where they are surfaces 1.
-HWY_INLINE Vec inverseEscapeAt(const ExchangeStep& step, const PackedNormal* normals, int i, Vec tau) {
-    const Vec inverse = inverseEscape(step, tau);
+HWY_INLINE Vec inverseEscapeAt(const ExchangeConstants& constants, const PackedNormal* normals, int i, Vec tau) {
+    const Vec inverse = inverseEscape(constants, tau);
     return normals ? withoutEscape(normals + i, inverse) : inverse;
 }
 
 template <bool kThinOnly>
-void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
             const PackedNormal* normals, std::size_t b) {
-    const ShotRule rule(step);
+    const ShotRule rule(constants);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
-        const Vec inverse = inverseEscapeAt(step, normals, i, tau);
+        const Vec inverse = inverseEscapeAt(constants, normals, i, tau);
         const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, rule.part));
-        RowSurfaces surfaces;
-        if (normals) surfaces = rowSurfaces(step, normals + i, tau);
+        VoxelSurfaces surfaces;
+        if (normals) surfaces = voxelSurfaces(constants, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
-            RowTerms terms = rowTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
+            if (rule.paper && !normals) {  // no need of the terms
+                shot = hn::Add(shot, hn::Set(kLanes, rule.most));
+                continue;
+            }
+            VoxelTerms terms = voxelTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
             if (normals) applySurfaces(rule, beam.front.direction, surfaces, terms);
             shot = hn::Add(shot, terms.shot);
         }
@@ -57,21 +61,21 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
 
 }  // namespace
 
-void settleDispatched(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+void settleDispatched(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
                       std::size_t b) {
     const PackedNormal* const normals = fields.surfaces ? fields.surfaces->normals(b) : nullptr;
     const float* const tau = fields.tau.brick(b);
     float mostScale = 0;
     for (const Beam& beam : beams) mostScale = std::max(mostScale, beam.stepScale);
     const bool thin = !normals && *std::max_element(tau, tau + kBrickVoxels) * mostScale <= kThin;
-    thin ? settle<true>(beams, fields, step, normals, b) : settle<false>(beams, fields, step, normals, b);
+    thin ? settle<true>(beams, fields, constants, normals, b) : settle<false>(beams, fields, constants, normals, b);
 }
 
-void effectiveAlbedosDispatched(const ExchangeStep& step, const PackedNormal* normals, const float* tau,
+void effectiveAlbedosDispatched(const ExchangeConstants& constants, const PackedNormal* normals, const float* tau,
                                 const float* albedo, float* g) {
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec depth = hn::Load(kLanes, tau + i);
-        const Vec inverse = inverseEscapeAt(step, normals, i, depth);
+        const Vec inverse = inverseEscapeAt(constants, normals, i, depth);
         hn::Store(effectiveAlbedo(inverse, hn::Load(kLanes, albedo + i)), kLanes, g + i);
     }
 }
@@ -86,17 +90,17 @@ namespace raysweep {
 HWY_EXPORT(settleDispatched);
 HWY_EXPORT(effectiveAlbedosDispatched);
 
-void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step,
+void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
                  std::size_t b) {
-    HWY_DYNAMIC_DISPATCH(settleDispatched)(beams, fields, step, b);
+    HWY_DYNAMIC_DISPATCH(settleDispatched)(beams, fields, constants, b);
 }
 
 void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,
                       const float* albedo, float* g) {
-    ExchangeStep step;
-    step.model = model;
-    step.escape = escape;
-    HWY_DYNAMIC_DISPATCH(effectiveAlbedosDispatched)(step, normals, tau, albedo, g);
+    ExchangeConstants constants;
+    constants.model = model;
+    constants.escape = escape;
+    HWY_DYNAMIC_DISPATCH(effectiveAlbedosDispatched)(constants, normals, tau, albedo, g);
 }
 
 }  // namespace raysweep

@@ -42,7 +42,6 @@ constexpr float kThinnest = 1e-20f;
 
 constexpr int kSurfaceGap = 2;
 constexpr float kLeavingCosine = 0.5f;
-constexpr float kLongAgo = -1e9f;  ///< a slice long before the first
 
 /// How voxels scatter.
 enum class ExchangeModel {
@@ -87,7 +86,7 @@ struct ExchangeFields {
 constexpr int kMostBeams = 8;  ///< in one sweep
 
 /// What is constant during one sweep.
-struct ExchangeStep {
+struct ExchangeConstants {
     ExchangeModel model = ExchangeModel::consistent;
     EscapeFit escape;
     float zeta = 0.5f;       ///< part of the unshot power that is shot along each beam, (0,1]
@@ -99,7 +98,7 @@ struct ExchangeStep {
 struct BrickVisit {
     std::uint32_t brick;  ///< kNoBrick: a margin, see marginsBelow
     int column, row;      ///< lateral coordinates of its low corner (of its image, in a periodic volume)
-    int step;             ///< slice number, in the order of travel, of its first slice
+    int slice;            ///< number, in the order of travel, of its first slice
     std::uint32_t beyondRow, beyondColumn, beyondBoth;  ///< bricks next to it on the upper side; `linear` only
 };
 
@@ -113,15 +112,16 @@ struct SweptBeams {
 /// Steps the rays through bricks, none of which may come before one upwind of it; every voxel meets one ray of each
 /// beam (`nearest`).
 void exchangeNearest(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                     const ExchangeStep& step);
+                     const ExchangeConstants& constants);
 
 /// The same where a ray meets the 2x2 voxels around it with bilinear weights. U is only read, and the deposit goes to
 /// `fresh`; when all bricks are done, `settleBrick` brings both up to date.
 void exchangeLinear(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                    const ExchangeStep& step);
+                    const ExchangeConstants& constants);
 
 /// Ends a `linear` sweep for brick `b`: D += fresh, U += g fresh - out + source, fresh = 0.
-void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeStep& step, std::size_t b);
+void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
+                 std::size_t b);
 
 /// g of every voxel of a brick as the exchange computes it. `albedo`, `tau` and `g` have 512 values, and `normals`,
 /// unless it is null.

@@ -81,12 +81,12 @@ HWY_INLINE void turn(T* values) {
 }
 
 /// Finds 1 / p. @return the largest tau
-HWY_INLINE float findEscape(const ExchangeStep& step, const float* from, float* inverse) {
+HWY_INLINE float findEscape(const ExchangeConstants& constants, const float* from, float* inverse) {
     Vec most = hn::Zero(kLanes);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, from + i);
         most = hn::Max(most, tau);
-        hn::Store(inverseEscape(step, tau), kLanes, inverse + i);
+        hn::Store(inverseEscape(constants, tau), kLanes, inverse + i);
     }
     return hn::GetLane(hn::MaxOfLanes(kLanes, most));
 }
@@ -115,31 +115,27 @@ HWY_INLINE SliceView<kChannels> viewSlices(const SweepAxis& axis, const Brick<kC
 /// lies beyond from the slices: rows without a ray look empty, and lanes without one have nothing to shoot, so that the
 /// rays in the lattice's padding, which they meet instead, stay dark.
 template <int kChannels>
-void clipSlices(const SweptBeams& swept, const BrickVisit& visit, SliceView<kChannels>& view,
-                Exchanged<kChannels>& to) {
-    const RayFront& front = swept.beams[0].front;
-    if (view.tau != to.tau) std::copy_n(view.tau, kBrickVoxels, to.tau);
-    view.tau = to.tau;
-    for (int c = 0; c < kChannels; ++c) {
-        if (view.unshot[c] != to.unshot[c]) std::copy_n(view.unshot[c], kBrickVoxels, to.unshot[c]);
-        view.unshot[c] = to.unshot[c];
-    }
+void clipSlices(const RayFront& front, const BrickClip& clips, SliceView<kChannels>& view, Exchanged<kChannels>& to) {
     for (int j = 0; j < kBrickEdge; ++j) {
-        const Clip clip = clipToLattice(front, swept.rays[0], visit, visit.step + j);
-        const int slice = front.ascending ? j : kBrickEdge - 1 - j;
-        for (int row = 0; row < kBrickEdge; ++row)
-            for (int lane = 0; lane < kBrickEdge; ++lane) {
-                const int at = slice * front.axis.sliceStride + row * front.axis.rowStride + lane;
-                const bool missed = clip.empty() || clip.missesRow(row);
-                if (missed) to.tau[at] = 0;
-                to.raysMet[at] = missed || clip.missesColumn(lane) ? 0.0f : 1.0f;
-                for (int c = 0; c < kChannels; ++c) to.unshot[c][at] *= to.raysMet[at];
+        const Clip& clip = clips.slices[j];
+        int at = (front.ascending ? j : kBrickEdge - 1 - j) * front.axis.sliceStride;
+        for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
+            for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
+                const int i = at + lane;
+                const bool missed = clip.missesRow(row) || clip.empty();
+                const Vec met = missed ? hn::Zero(kLanes) : hn::IfThenElseZero(clip.lanes(lane), hn::Set(kLanes, 1.0f));
+                hn::Store(met, kLanes, to.raysMet + i);
+                hn::Store(missed ? hn::Zero(kLanes) : hn::Load(kLanes, view.tau + i), kLanes, to.tau + i);
+                for (int c = 0; c < kChannels; ++c)
+                    hn::Store(hn::Mul(met, hn::Load(kLanes, view.unshot[c] + i)), kLanes, to.unshot[c] + i);
             }
     }
+    view.tau = to.tau;
+    for (int c = 0; c < kChannels; ++c) view.unshot[c] = to.unshot[c];
 }
 
 /// Local furnace of eight rays. @return what the voxels take
-HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const RowSolids& solids, float* f, float* lastSlice,
+HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const VoxelSolids& solids, float* f, float* lastSlice,
                                int slice) {
     const Vec last = hn::LoadU(kLanes, lastSlice), now = hn::Set(kLanes, float(slice));
     const Mask close = hn::Ge(last, hn::Set(kLanes, float(slice - kSurfaceGap)));
@@ -151,78 +147,80 @@ HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const RowSolids& s
     return in;
 }
 
-/// Eight voxels of a slice, and what they exchange with all beams.
+/// Voxels side by side, as many as a vector has lanes, and what they exchange with all beams.
 template <int kChannels>
-struct Row {
+struct Voxels {
     Vec tau, shotPart;
     Vec unshot[kChannels];
-    int number, lane;  ///< in the slice, of the first voxel
+    int row, lane;  ///< in the slice, of the first voxel
     int slice;
 
     Vec in[kChannels], out[kChannels], furnace;
 };
 
-/// The rays of all beams meet a row. `kSurfaces`: some of its voxels have a surface or are the inside of a solid.
+/// The rays of all beams meet the voxels. `kSurfaces`: some of these have a surface or are the inside of a solid.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_INLINE void meetBeams(const ShotRule& rule, const BeamSlice* beams, int count, const RowSurfaces& surfaces,
-                          Row<kChannels>& row) {
+HWY_INLINE void meetBeams(const ShotRule& rule, const BeamSlice* beams, int count, const VoxelSurfaces& surfaces,
+                          Voxels<kChannels>& voxels) {
     const bool hasNormals = kSurfaces && !hn::AllFalse(kLanes, surfaces.surface);
-    RowSolids solids;
+    VoxelSolids solids;
     if (kSurfaces) solids = {surfaces.solid, surfaces.surface};  // nothing leaves where there is no surface
     for (int k = 0; k < count; ++k) {
         const BeamSlice& beam = beams[k];
-        RowTerms terms = rowTerms<kThinOnly>(rule, beam.beam->stepScale, row.tau, row.shotPart);
+        VoxelTerms terms = voxelTerms<kThinOnly>(rule, beam.beam->stepScale, voxels.tau, voxels.shotPart);
         if (hasNormals) solids = applySurfaces(rule, beam.beam->front.direction, surfaces, terms);
-        const std::ptrdiff_t ray = beam.rowStart[row.number] + row.lane;
+        const std::ptrdiff_t ray = beam.rowStart[voxels.row] + voxels.lane;
         // Elsewhere rays are as long outside as they were; nothing of the furnace would change.
         if (kSurfaces && beam.furnace)
-            row.furnace = hn::Add(row.furnace, exchangeFurnace(beam.beam->furnaceRay, terms.opacity, solids,
-                                                               beam.furnace + ray, beam.lastSlice + ray, row.slice));
+            voxels.furnace =
+                hn::Add(voxels.furnace, exchangeFurnace(beam.beam->furnaceRay, terms.opacity, solids,
+                                                        beam.furnace + ray, beam.lastSlice + ray, voxels.slice));
         for (int c = 0; c < kChannels; ++c) {
             float* const power = beam.power + c * beam.planeStride + ray;
             const Vec e = hn::LoadU(kLanes, power);
-            const Vec taken = hn::Mul(e, terms.opacity), given = hn::Mul(row.unshot[c], terms.shot);
+            const Vec taken = hn::Mul(e, terms.opacity), given = hn::Mul(voxels.unshot[c], terms.shot);
             const Vec after = hn::Add(hn::Sub(e, taken), given);
             requireNonNegative(after);
             hn::StoreU(after, kLanes, power);
-            row.in[c] = hn::Add(row.in[c], taken);
-            row.out[c] = hn::Add(row.out[c], given);
+            voxels.in[c] = hn::Add(voxels.in[c], taken);
+            voxels.out[c] = hn::Add(voxels.out[c], given);
         }
     }
 }
 
-/// Reads a row, exchanges, and notes what was exchanged. In a brick that has surfaces most rows have none, and are
+/// Reads voxels, exchanges, and notes what was exchanged. In a brick that has surfaces most voxels have none, and are
 /// treated as those of other bricks.
 /// @param mostScale largest step scale of the beams
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_INLINE void exchangeRow(const ExchangeStep& step, const ShotRule& rule, float mostScale,
-                            const SliceView<kChannels>& view, const BeamSlice* beams, int count, int at,
-                            Row<kChannels>& row, Exchanged<kChannels>& exchanged) {
-    row.tau = hn::Load(kLanes, view.tau + at);
-    Vec any = row.tau;
+HWY_INLINE void exchangeVoxels(const ExchangeConstants& constants, const ShotRule& rule, float mostScale,
+                               const SliceView<kChannels>& view, const BeamSlice* beams, int count, int at,
+                               Voxels<kChannels>& voxels, Exchanged<kChannels>& exchanged) {
+    voxels.tau = hn::Load(kLanes, view.tau + at);
+    Vec any = voxels.tau;
     for (int c = 0; c < kChannels; ++c) {
-        row.unshot[c] = hn::Load(kLanes, view.unshot[c] + at);
-        any = hn::Or(any, row.unshot[c]);
-        row.in[c] = row.out[c] = hn::Zero(kLanes);
+        voxels.unshot[c] = hn::Load(kLanes, view.unshot[c] + at);
+        any = hn::Or(any, voxels.unshot[c]);
+        voxels.in[c] = voxels.out[c] = hn::Zero(kLanes);
     }
-    row.furnace = hn::Zero(kLanes);
-    // In sparse volumes many rows are empty: nothing there that could change a ray or be changed by one.
+    voxels.furnace = hn::Zero(kLanes);
+    // In sparse volumes many voxels are empty: nothing there that could change a ray or be changed by one.
     if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
-        row.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, rule.part));
-        RowSurfaces surfaces;
-        if (kSurfaces) surfaces = rowSurfaces(step, view.normals + at, row.tau);
+        voxels.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, rule.part));
+        VoxelSurfaces surfaces;
+        if (kSurfaces) surfaces = voxelSurfaces(constants, view.normals + at, voxels.tau);
         if (kSurfaces && !hn::AllFalse(kLanes, hn::Or(surfaces.surface, surfaces.solid)))
-            meetBeams<kChannels, false, true>(rule, beams, count, surfaces, row);
-        else if (kThinOnly || (kSurfaces && hn::AllTrue(kLanes, hn::Le(row.tau, hn::Set(kLanes, kThin / mostScale)))))
-            meetBeams<kChannels, true, false>(rule, beams, count, surfaces, row);
+            meetBeams<kChannels, false, true>(rule, beams, count, surfaces, voxels);
+        else if (kThinOnly ||
+                 (kSurfaces && hn::AllTrue(kLanes, hn::Le(voxels.tau, hn::Set(kLanes, kThin / mostScale)))))
+            meetBeams<kChannels, true, false>(rule, beams, count, surfaces, voxels);
         else
-            meetBeams<kChannels, false, false>(rule, beams, count, surfaces, row);
+            meetBeams<kChannels, false, false>(rule, beams, count, surfaces, voxels);
     }
     for (int c = 0; c < kChannels; ++c) {
-        hn::Store(row.in[c], kLanes, exchanged.in[c] + at);
-        hn::Store(row.out[c], kLanes, exchanged.out[c] + at);
+        hn::Store(voxels.in[c], kLanes, exchanged.in[c] + at);
+        hn::Store(voxels.out[c], kLanes, exchanged.out[c] + at);
     }
-    if (kSurfaces) hn::Store(row.furnace, kLanes, exchanged.furnace + at);
+    if (kSurfaces) hn::Store(voxels.furnace, kLanes, exchanged.furnace + at);
 }
 
 /// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
@@ -241,28 +239,28 @@ HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannel
 
 /// The rays of all beams go through the eight slices of a brick.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step, float mostScale,
-                    const SliceView<kChannels>& view, const Brick<kChannels>& brick, const Brick<kChannels>& next,
-                    Exchanged<kChannels>& exchanged) {
+void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeConstants& constants,
+                    float mostScale, const SliceView<kChannels>& view, const Brick<kChannels>& brick,
+                    const Brick<kChannels>& next, Exchanged<kChannels>& exchanged) {
     const RayFront& front = swept.beams[0].front;
-    const ShotRule rule(step);
+    const ShotRule rule(constants);
     const int count = int(swept.count());
     BeamSlice beams[kMostBeams];
     for (int j = 0; j < kBrickEdge; ++j) {
         prefetchEighth(brick, next, j);
-        const int k = visit.step + j;
+        const int k = visit.slice + j;
         for (int b = 0; b < count; ++b)
             beams[b] = beamSlice(swept.beams[std::size_t(b)], swept.rays[std::size_t(b)], visit, k, brick.furnace);
         const int slice = front.ascending ? j : kBrickEdge - 1 - j;
         int at = slice * front.axis.sliceStride;
         for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
             for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-                Row<kChannels> voxels;
-                voxels.number = row;
+                Voxels<kChannels> voxels;
+                voxels.row = row;
                 voxels.lane = lane;
                 voxels.slice = k;
-                exchangeRow<kChannels, kThinOnly, kSurfaces>(step, rule, mostScale, view, beams, count, at + lane,
-                                                             voxels, exchanged);
+                exchangeVoxels<kChannels, kThinOnly, kSurfaces>(constants, rule, mostScale, view, beams, count,
+                                                                at + lane, voxels, exchanged);
             }
     }
 }
@@ -294,20 +292,20 @@ HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, bool clip
 }
 
 template <int kChannels>
-HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, const ExchangeStep& step,
+HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, const ExchangeConstants& constants,
                               float mostScale, const Brick<kChannels>& brick, const Brick<kChannels>& next,
                               Exchanged<kChannels>& exchanged) {
     const SweepAxis& axis = swept.beams[0].front.axis;
-    const float thickest = findEscape(step, brick.tau, exchanged.inverseEscape);
+    const float thickest = findEscape(constants, brick.tau, exchanged.inverseEscape);
     SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
-    const bool clipped = hangsOver(swept, visit);
-    if (clipped) clipSlices(swept, visit, view, exchanged);
+    const BrickClip clips(swept, visit);
+    if (!clips.whole) clipSlices(swept.beams[0].front, clips, view, exchanged);
     if (brick.normals)
-        exchangeSlices<kChannels, false, true>(swept, visit, step, mostScale, view, brick, next, exchanged);
+        exchangeSlices<kChannels, false, true>(swept, visit, constants, mostScale, view, brick, next, exchanged);
     else if (thickest * mostScale <= kThin)
-        exchangeSlices<kChannels, true, false>(swept, visit, step, mostScale, view, brick, next, exchanged);
+        exchangeSlices<kChannels, true, false>(swept, visit, constants, mostScale, view, brick, next, exchanged);
     else
-        exchangeSlices<kChannels, false, false>(swept, visit, step, mostScale, view, brick, next, exchanged);
+        exchangeSlices<kChannels, false, false>(swept, visit, constants, mostScale, view, brick, next, exchanged);
     if (axis.transposed) {
         turn(exchanged.inverseEscape);
         for (int c = 0; c < kChannels; ++c) {
@@ -315,29 +313,29 @@ HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, 
             turn(exchanged.out[c]);
         }
         if (brick.furnace) turn(exchanged.furnace);
-        if (clipped) turn(exchanged.raysMet);
+        if (!clips.whole) turn(exchanged.raysMet);
     }
-    bookExchange<kChannels>(brick, int(swept.count()), clipped, exchanged);
+    bookExchange<kChannels>(brick, int(swept.count()), !clips.whole, exchanged);
 }
 
 template <int kChannels>
 void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                    const ExchangeStep& step) {
+                    const ExchangeConstants& constants) {
     Exchanged<kChannels> exchanged;
     const float mostScale = mostStepScale(swept);
     for (std::size_t i = 0; i < visits.size(); ++i) {
         const Brick<kChannels> brick(fields, visits[i].brick);
         const Brick<kChannels> next(fields, visits[std::min(i + 1, visits.size() - 1)].brick);
-        exchangeBrick<kChannels>(swept, visits[i], step, mostScale, brick, next, exchanged);
+        exchangeBrick<kChannels>(swept, visits[i], constants, mostScale, brick, next, exchanged);
     }
 }
 
 }  // namespace
 
 void nearestDispatched(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                       const ExchangeStep& step) {
-    fields.channels == 1 ? exchangeVisits<1>(beams, visits, fields, step)
-                         : exchangeVisits<3>(beams, visits, fields, step);
+                       const ExchangeConstants& constants) {
+    fields.channels == 1 ? exchangeVisits<1>(beams, visits, fields, constants)
+                         : exchangeVisits<3>(beams, visits, fields, constants);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -350,8 +348,8 @@ namespace raysweep {
 HWY_EXPORT(nearestDispatched);
 
 void exchangeNearest(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                     const ExchangeStep& step) {
-    HWY_DYNAMIC_DISPATCH(nearestDispatched)(beams, visits, fields, step);
+                     const ExchangeConstants& constants) {
+    HWY_DYNAMIC_DISPATCH(nearestDispatched)(beams, visits, fields, constants);
 }
 
 }  // namespace raysweep

@@ -22,8 +22,8 @@ using Lanes = hn::CappedTag<float, kBrickEdge>;
 using Vec = hn::Vec<Lanes>;
 constexpr Lanes kLanes;
 
-/// What a row of voxels does to rays of one direction.
-struct RowTerms {
+/// What voxels side by side, as many as a vector has lanes, do to rays of one direction.
+struct VoxelTerms {
     Vec opacity;  ///< alpha
     Vec shot;     ///< out / U
 };
@@ -83,29 +83,29 @@ struct ShotRule {
     float ofSurface;  ///< out / U of a surface is this times the cosine
     bool paper;
 
-    explicit ShotRule(const ExchangeStep& step)
-        : part(step.zeta),
-          most(step.mostShot),
-          ofSurface(std::min(step.mostShot, 4 * step.zeta)),
-          paper(step.model == ExchangeModel::paper) {
+    explicit ShotRule(const ExchangeConstants& constants)
+        : part(constants.zeta),
+          most(constants.mostShot),
+          ofSurface(std::min(constants.mostShot, 4 * constants.zeta)),
+          paper(constants.model == ExchangeModel::paper) {
         if (!paper) return;
         part = kAnyPart;
-        most = ofSurface = std::min(step.mostShot, step.zeta);
+        most = ofSurface = std::min(constants.mostShot, constants.zeta);
     }
 };
 
 /// 1 / p, with p the escape probability.
-HWY_INLINE Vec inverseEscape(const ExchangeStep& step, Vec tau) {
-    if (step.model == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
-    return hn::Mul(polynomial(tau, step.escape.a), reciprocal(polynomial(tau, step.escape.b)));
+HWY_INLINE Vec inverseEscape(const ExchangeConstants& constants, Vec tau) {
+    if (constants.model == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
+    return hn::Mul(polynomial(tau, constants.escape.a), reciprocal(polynomial(tau, constants.escape.b)));
 }
 
 /// Terms of voxels without a surface. With `kThinOnly` tau `stepScale` is at most kThin, and a polynomial does.
 /// @param shotPart `part` / p
 template <bool kThinOnly>
-HWY_INLINE RowTerms rowTerms(const ShotRule& rule, float stepScale, Vec tau, Vec shotPart) {
+HWY_INLINE VoxelTerms voxelTerms(const ShotRule& rule, float stepScale, Vec tau, Vec shotPart) {
     const Vec along = hn::Mul(tau, hn::Set(kLanes, stepScale));
-    RowTerms terms;
+    VoxelTerms terms;
     Vec perDepth;  // opacity / along
     if (kThinOnly) {
         perDepth = thinOpacityOverDepth(along);
@@ -122,7 +122,7 @@ HWY_INLINE RowTerms rowTerms(const ShotRule& rule, float stepScale, Vec tau, Vec
 }
 
 /// Where rays are as regards solids.
-struct RowSolids {
+struct VoxelSolids {
     hn::Mask<Lanes> inside;   ///< at a surface where they arrive, or behind one
     hn::Mask<Lanes> leaving;  ///< at a surface where they leave
 };
@@ -135,39 +135,39 @@ HWY_INLINE Vec normalComponent(hn::Vec<hn::RebindToSigned<Lanes>> packed, int ax
     return hn::ConvertTo(kLanes, hn::ShiftRight<22>(shifted));
 }
 
-/// What is known of the surfaces in a row whatever the direction.
-struct RowSurfaces {
+/// What is known of the surfaces of voxels whatever the direction.
+struct VoxelSurfaces {
     hn::Mask<Lanes> surface;  ///< has a normal
     hn::Mask<Lanes> present;  ///< and is not empty, as the voxels of a quad light are
     hn::Mask<Lanes> solid;    ///< present, or opaque enough to be the inside of a solid
     Vec normal[3];
 };
 
-HWY_INLINE RowSurfaces rowSurfaces(const ExchangeStep& step, const PackedNormal* normals, Vec tau) {
+HWY_INLINE VoxelSurfaces voxelSurfaces(const ExchangeConstants& constants, const PackedNormal* normals, Vec tau) {
     const hn::RebindToSigned<Lanes> kWholes;
     const auto packed = hn::BitCast(kWholes, hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
-    RowSurfaces row;
-    row.surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
-    row.present = hn::And(row.surface, hn::Gt(tau, hn::Zero(kLanes)));
-    row.solid = hn::Or(row.present, hn::Ge(tau, hn::Set(kLanes, step.solidTau)));
-    for (int axis = 0; axis < 3; ++axis) row.normal[axis] = normalComponent(packed, axis);
-    return row;
+    VoxelSurfaces surfaces;
+    surfaces.surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
+    surfaces.present = hn::And(surfaces.surface, hn::Gt(tau, hn::Zero(kLanes)));
+    surfaces.solid = hn::Or(surfaces.present, hn::Ge(tau, hn::Set(kLanes, constants.solidTau)));
+    for (int axis = 0; axis < 3; ++axis) surfaces.normal[axis] = normalComponent(packed, axis);
+    return surfaces;
 }
 
 /// Changes the terms of voxels that have a surface, for rays that travel along `direction`.
-HWY_INLINE RowSolids applySurfaces(const ShotRule& rule, const Vec3& direction, const RowSurfaces& row,
-                                   RowTerms& terms) {
+HWY_INLINE VoxelSolids applySurfaces(const ShotRule& rule, const Vec3& direction, const VoxelSurfaces& surfaces,
+                                     VoxelTerms& terms) {
     Vec cosine = hn::Zero(kLanes);
     for (int axis = 0; axis < 3; ++axis)
-        cosine = hn::MulAdd(row.normal[axis], hn::Set(kLanes, float(direction[axis]) / kPackedSteps), cosine);
+        cosine = hn::MulAdd(surfaces.normal[axis], hn::Set(kLanes, float(direction[axis]) / kPackedSteps), cosine);
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
     Vec taken = terms.opacity;
     if (rule.paper) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
-    terms.opacity = hn::IfThenElse(row.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
+    terms.opacity = hn::IfThenElse(surfaces.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
     terms.shot = hn::IfThenElse(
-        row.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, rule.ofSurface)), terms.shot);
-    const auto leaving = hn::And(row.present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));
-    return {hn::AndNot(leaving, row.solid), leaving};
+        surfaces.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, rule.ofSurface)), terms.shot);
+    const auto leaving = hn::And(surfaces.present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));
+    return {hn::AndNot(leaving, surfaces.solid), leaving};
 }
 
 /// 1 / p where voxels of a surface are taken to scatter once: 1.

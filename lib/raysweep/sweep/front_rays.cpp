@@ -1,7 +1,5 @@
 #include "raysweep/sweep/front_rays.h"
 
-#include "raysweep/sweep/exchange.h"
-
 #include <algorithm>
 
 namespace raysweep {
@@ -43,15 +41,15 @@ FrontRays::FrontRays(const Beam& beam, const BrickIndex& index, int margin, int 
 
 void FrontRays::spanBricks(const RayFront& front, const BrickIndex& index) {
     for (const BrickIndex::Row& bricks : index.rows()) {
-        const int step = front.firstStep(bricks.layer);
+        const int slice = front.sliceNumber(bricks.layer);
         const auto reach = [&](int low, int high, int first, int last, const RayRange& all) {
             return RayRange{std::max(all.begin, low - front.reach - std::max(first, last)),
                             std::min(all.end, high + kBrickEdge - std::min(first, last))};
         };
-        const int end = step + kBrickEdge - 1;
-        const RayRange rows = reach(bricks.row, bricks.row, rowShift(step), rowShift(end), rows_);
+        const int end = slice + kBrickEdge - 1;
+        const RayRange rows = reach(bricks.row, bricks.row, rowShift(slice), rowShift(end), rows_);
         const RayRange columns = reach(index.entries()[bricks.first].column, index.entries()[bricks.end - 1].column,
-                                       columnShift(step), columnShift(end), columns_);
+                                       columnShift(slice), columnShift(end), columns_);
         for (int v = rows.begin; v < rows.end; ++v) {
             RayRange& all = span(v);
             all = all.empty() ? columns : RayRange{std::min(all.begin, columns.begin), std::max(all.end, columns.end)};

@@ -3,17 +3,14 @@
 
 #include "raysweep/sweep/beam.h"
 #include "raysweep/sweep/brick_index.h"
+#include "raysweep/sweep/ray_sums.h"
 
 #include <cstddef>
 #include <vector>
 
 namespace raysweep {
 
-/// Ray powers summed over a beam's rays at both ends, W.
-struct RaySums {
-    double entered[kMaxChannels] = {0};
-    double escaped[kMaxChannels] = {0};
-};
+constexpr float kLongAgo = -1e9f;  ///< a slice long before the first
 
 /// Powers of the rays that may meet a brick, lattice row by lattice row: of each row the stretch from the first to the
 /// last one that does. In a periodic volume they are all there. With the local furnace there are two more planes.

@@ -6,25 +6,25 @@
 namespace raysweep {
 namespace {
 
-struct StepRange {
+struct SliceRange {
     int first, last;  ///< inclusive; empty if last < first
 };
 
 /// Slices in which the ray at lattice coordinate `ray` is within the volume laterally.
-StepRange stepsInside(const RayFront& front, const Lateral& lateral, int ray) {
+SliceRange slicesInside(const RayFront& front, const Lateral& lateral, int ray) {
     const auto inside = [&](int k) {
         const int voxel = ray + lateral.shift(k);
         return voxel >= lateral.low - front.reach && voxel < lateral.high;
     };
     const int last = front.slices - 1;
     if (lateral.periodic) return {0, last};
-    if (lateral.slope == 0) return inside(0) ? StepRange{0, last} : StepRange{0, -1};
-    // Bounds from the slope, a step too wide on either side, then moved to the exact ones.
+    if (lateral.slope == 0) return inside(0) ? SliceRange{0, last} : SliceRange{0, -1};
+    // Bounds from the slope, a slice too wide on either side, then moved to the exact ones.
     const double a = (lateral.low - front.reach - ray - lateral.offset) / lateral.slope;
     const double b = (lateral.high - ray - lateral.offset) / lateral.slope;
-    const auto clampStep = [&](double k) { return int(std::clamp(k, -1.0, double(last) + 1)); };
-    int first = std::max(0, clampStep(std::floor(std::min(a, b)) - 1));
-    int end = std::min(last, clampStep(std::ceil(std::max(a, b)) + 1));
+    const auto clampSlice = [&](double k) { return int(std::clamp(k, -1.0, double(last) + 1)); };
+    int first = std::max(0, clampSlice(std::floor(std::min(a, b)) - 1));
+    int end = std::min(last, clampSlice(std::ceil(std::max(a, b)) + 1));
     while (first <= end && !inside(first)) ++first;
     while (end >= first && !inside(end)) --end;
     return {first, end};
@@ -69,10 +69,10 @@ RayRange raysInside(const RayFront& front, const Lateral& lateral, int k) {
 }
 
 RayRange raysThatEnter(const RayFront& front, int row) {
-    const StepRange steps = stepsInside(front, front.row, row);
-    if (steps.last < steps.first) return {};
+    const SliceRange slices = slicesInside(front, front.row, row);
+    if (slices.last < slices.first) return {};
     if (front.column.periodic) return {front.column.low, front.column.high};
-    const auto [least, most] = std::minmax({front.column.shift(steps.first), front.column.shift(steps.last)});
+    const auto [least, most] = std::minmax({front.column.shift(slices.first), front.column.shift(slices.last)});
     return {front.column.low - front.reach - most, front.column.high - least};
 }
 

@@ -1,4 +1,4 @@
-/// A front of parallel rays that steps through a volume slice by slice.
+/// A front of parallel rays that goes through a volume slice by slice.
 ///
 /// Rays form a lattice of one ray per voxel of a slice. From slice to slice all of them move sideways by the same
 /// slope, so ray (u,v) is at voxel coordinates (u + offset + k*slope) in the k-th slice, and the whole front is
@@ -45,8 +45,8 @@ struct RayFront {
     int reach = 0;            ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
     bool periodic = false;    ///< the volume repeats along the sweep's axis, too: rays go from its end to its beginning
 
-    /// Slice number in the order of travel of the slice of `brickLow` (low corner) that is met first.
-    int firstStep(int brickLow) const {
+    /// Number, in the order of travel, of the first slice met of the brick that begins at `brickLow`.
+    int sliceNumber(int brickLow) const {
         return ascending ? brickLow - firstSlice : firstSlice - (brickLow + kBrickEdge - 1);
     }
 };

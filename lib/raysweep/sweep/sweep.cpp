@@ -24,8 +24,8 @@ struct Crossing {
 
 /// A sweep from one end of the bricks' bounding box to the other.
 std::vector<RaySums> sweepThrough(const SweepVolume& volume, const std::vector<Beam>& beams,
-                                  Interpolation interpolation, const ExchangeFields& fields, const ExchangeStep& step,
-                                  const Crossing& crossing = {}) {
+                                  Interpolation interpolation, const ExchangeFields& fields,
+                                  const ExchangeConstants& constants, const Crossing& crossing = {}) {
     const bool linear = interpolation == Interpolation::linear;
     const RayFront& front = beams.front().front;
     const BrickIndex& index = volume.indexFor(front.axis.major, interpolation);
@@ -40,7 +40,7 @@ std::vector<RaySums> sweepThrough(const SweepVolume& volume, const std::vector<B
     parallelWavefront(wavefront.slabs(), wavefront.strips(), [&](int slab, int strip) {
         const FlushDenormals flush;  // rays deep in smoke fade into them: they would cost half the time
         const std::vector<BrickVisit> visits = wavefront.visits(slab, strip);
-        linear ? exchangeLinear(swept, visits, fields, step) : exchangeNearest(swept, visits, fields, step);
+        linear ? exchangeLinear(swept, visits, fields, constants) : exchangeNearest(swept, visits, fields, constants);
     });
 
     std::vector<RaySums> sums(beams.size());
@@ -56,7 +56,7 @@ double powerOf(const CrossingRays& rays) {
 /// A sweep where the volume repeats along the sweep's axis. All repetitions are equal, so the rays that leave one are
 /// those that enter the next: they go round, with nothing new entering or shot, until hardly any power is left.
 RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpolation, ExchangeFields fields,
-                    ExchangeStep step) {
+                    ExchangeConstants constants) {
     alignas(64) static const float kNothing[kBrickVoxels] = {0};
     // In the first round nobody knows what rays come out of the repetition before as: the second one measures.
     const BrickView<float> furnace = fields.furnace;
@@ -65,10 +65,10 @@ RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpol
     CrossingRays arriving(beam.front, fields.channels, furnace.data),
         leaving(beam.front, fields.channels, furnace.data);
     const auto once = [&] {
-        return sweepThrough(volume, {beam}, interpolation, fields, step, {&arriving, &leaving})[0];
+        return sweepThrough(volume, {beam}, interpolation, fields, constants, {&arriving, &leaving})[0];
     };
     RaySums totals = once();
-    step.zeta = 0;
+    constants.zeta = 0;
     for (int c = 0; c < fields.channels; ++c) {
         beam.entering[c] = 0;
         fields.source[c] = {kNothing, 0};
@@ -90,20 +90,8 @@ RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpol
 
 }  // namespace
 
-SweepVolume::SweepVolume(BrickLayout bricks, Periodic repeats)
-    : layout(std::move(bricks)), map(layout), periodic(repeats) {}
-
-const BrickIndex& SweepVolume::indexFor(int major, Interpolation interpolation) const {
-    const bool linear = interpolation == Interpolation::linear;
-    std::optional<BrickIndex>& index = index_[linear ? 1 : 0][std::size_t(major)];
-    const SweepAxis axis = sweepAxis(major);
-    if (!index)
-        index.emplace(layout.origins, linear ? marginsBelow(layout, map, periodic, axis) : std::vector<Index3>(), axis);
-    return *index;
-}
-
 std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& beams, Interpolation interpolation,
-                           const ExchangeFields& fields, const ExchangeStep& step) {
+                           const ExchangeFields& fields, const ExchangeConstants& constants) {
     const RayFront& first = beams.at(0).front;
     for (const Beam& beam : beams)
         if (beam.front.directionClass != first.directionClass)
@@ -111,14 +99,14 @@ std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& b
     if (beams.size() > kMostBeams || (beams.size() > 1 && isPeriodic(volume.periodic)))
         throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) +
                               " beams, and one in a periodic volume");
-    if (first.periodic) return {sweepAround(volume, beams[0], interpolation, fields, step)};
-    return sweepThrough(volume, beams, interpolation, fields, step);
+    if (first.periodic) return {sweepAround(volume, beams[0], interpolation, fields, constants)};
+    return sweepThrough(volume, beams, interpolation, fields, constants);
 }
 
 void settle(const SweepVolume& volume, const std::vector<Beam>& beams, const ExchangeFields& fields,
-            const ExchangeStep& step) {
+            const ExchangeConstants& constants) {
     parallelFor(
-        volume.layout.brickCount(), [&](std::size_t b) { settleBrick(beams, fields, step, b); }, 16);
+        volume.layout.brickCount(), [&](std::size_t b) { settleBrick(beams, fields, constants, b); }, 16);
 }
 
 }  // namespace raysweep

@@ -1,7 +1,7 @@
 #include "raysweep/sweep/wavefront.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/sweep/sweep.h"
+#include "raysweep/sweep/sweep_volume.h"
 
 #include <algorithm>
 #include <map>
@@ -18,18 +18,18 @@ int floorDivide(int a, int b) {
 }
 
 /// Shifts of a lateral axis over the eight slices of a layer.
-RayRange shiftsIn(const Lateral& lateral, int step) {
-    const auto [least, most] = std::minmax({lateral.shift(step), lateral.shift(step + kBrickEdge - 1)});
+RayRange shiftsIn(const Lateral& lateral, int slice) {
+    const auto [least, most] = std::minmax({lateral.shift(slice), lateral.shift(slice + kBrickEdge - 1)});
     return {least, most + 1};
 }
 
-/// Calls `visit(i)` for the images (by i periods) of coordinates [low, high) that rays meet in the layer at `step`,
+/// Calls `visit(i)` for the images (by i periods) of coordinates [low, high) that rays meet in the layer at `slice`,
 /// upwind ones first; without a period that is image 0.
 template <class Visit>
-void forEachImage(const RayFront& front, const Lateral& lateral, int step, int low, int high, bool up,
+void forEachImage(const RayFront& front, const Lateral& lateral, int slice, int low, int high, bool up,
                   const Visit& visit) {
     if (!lateral.periodic) return visit(0);
-    const RayRange shifts = shiftsIn(lateral, step);
+    const RayRange shifts = shiftsIn(lateral, slice);
     const int period = lateral.size();
     const int first = floorDivide(lateral.low - front.reach + shifts.begin - high, period) + 1;
     const int last = floorDivide(lateral.high + shifts.end - 2 - low, period);
@@ -88,31 +88,31 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     const auto [first, last] = index_.findLayers(layers.begin, layers.end);
     for (std::size_t n = 0; n < last - first; ++n) {
         const BrickIndex::Layer& layer = index_.layers()[front_.ascending ? first + n : last - 1 - n];
-        const int step = front_.firstStep(layer.layer);
-        forEachImage(front_, front_.row, step, front_.row.low, front_.row.high, rowsUp_, [&](int image) {
+        const int slice = front_.sliceNumber(layer.layer);
+        forEachImage(front_, front_.row, slice, front_.row.low, front_.row.high, rowsUp_, [&](int image) {
             const int offset = image * front_.row.size();
             const auto [firstRow, endRow] = index_.findRows(layer, range.begin - offset, range.end - offset);
             for (std::size_t i = 0; i < endRow - firstRow; ++i)
-                addRow(index_.rows()[rowsUp_ ? firstRow + i : endRow - 1 - i], image, step, result);
+                addRow(index_.rows()[rowsUp_ ? firstRow + i : endRow - 1 - i], image, slice, result);
         });
     }
     return result;
 }
 
-void Wavefront::addRow(const BrickIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const {
-    forEachImage(front_, front_.column, step, front_.column.low, front_.column.high, columnsUp_, [&](int columnImage) {
+void Wavefront::addRow(const BrickIndex::Row& row, int image, int slice, std::vector<BrickVisit>& to) const {
+    forEachImage(front_, front_.column, slice, front_.column.low, front_.column.high, columnsUp_, [&](int columnImage) {
         for (std::size_t i = 0; i < row.end - row.first; ++i)
-            to.push_back(
-                visitOf(index_.entries()[columnsUp_ ? row.first + i : row.end - 1 - i], row, columnImage, image, step));
+            to.push_back(visitOf(index_.entries()[columnsUp_ ? row.first + i : row.end - 1 - i], row, columnImage,
+                                 image, slice));
     });
 }
 
 BrickVisit Wavefront::visitOf(const BrickIndex::Entry& entry, const BrickIndex::Row& row, int columnImage, int rowImage,
-                              int step) const {
+                              int slice) const {
     BrickVisit visit{entry.brick,
                      entry.column + columnImage * front_.column.size(),
                      row.row + rowImage * front_.row.size(),
-                     step,
+                     slice,
                      kNoBrick,
                      kNoBrick,
                      kNoBrick};

@@ -23,9 +23,9 @@ class Wavefront {
     std::vector<BrickVisit> visits(int slab, int strip) const;
 
   private:
-    void addRow(const BrickIndex::Row& row, int image, int step, std::vector<BrickVisit>& to) const;
+    void addRow(const BrickIndex::Row& row, int image, int slice, std::vector<BrickVisit>& to) const;
     BrickVisit visitOf(const BrickIndex::Entry& entry, const BrickIndex::Row& row, int columnImage, int rowImage,
-                       int step) const;
+                       int slice) const;
 
     const SweepVolume& volume_;
     const RayFront& front_;

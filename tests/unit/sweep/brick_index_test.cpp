@@ -12,7 +12,7 @@ using namespace raysweep;
 
 namespace {
 
-/// Bricks scattered at random over a box of 40 x 12 x 40 bricks, wide enough for several tiles of rays.
+/// Bricks scattered at random over a box of 40 x 12 x 40 bricks, wide enough for several strips of the wavefront.
 BrickLayout scatteredLayout(double share) {
     std::mt19937_64 random(8);
     BrickLayout layout;

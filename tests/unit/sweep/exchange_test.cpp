@@ -79,13 +79,13 @@ struct Volume {
 };
 
 /// A beam and what it shares with the others of its sweep.
-struct PlainBeam : ExchangeStep {
-    PlainBeam(const ExchangeStep& step, const Beam& ofBeam) : ExchangeStep(step), beam(ofBeam) {}
+struct PlainBeam : ExchangeConstants {
+    PlainBeam(const ExchangeConstants& constants, const Beam& ofBeam) : ExchangeConstants(constants), beam(ofBeam) {}
     const Beam& beam;
 };
 
-double cosineOf(const PlainBeam& step, PackedNormal normal) {
-    return unpackNormal(normal).dot(step.beam.front.direction);
+double cosineOf(const PlainBeam& plain, PackedNormal normal) {
+    return unpackNormal(normal).dot(plain.beam.front.direction);
 }
 
 /// What the formulas say about one voxel.
@@ -93,19 +93,19 @@ struct VoxelTerms {
     double opacity, shot, g;
 };
 
-VoxelTerms termsOf(const PlainBeam& step, PackedNormal normal, double tau, double albedo) {
-    const double along = tau * double(step.beam.stepScale), opacity = -std::expm1(-along);
+VoxelTerms termsOf(const PlainBeam& plain, PackedNormal normal, double tau, double albedo) {
+    const double along = tau * double(plain.beam.stepScale), opacity = -std::expm1(-along);
     if (normal != 0) {
-        const double cosine = cosineOf(step, normal);
-        const bool paper = step.model == ExchangeModel::paper;
-        const double shot = paper ? double(step.zeta) : std::min(double(step.mostShot), 4 * double(step.zeta));
+        const double cosine = cosineOf(plain, normal);
+        const bool paper = plain.model == ExchangeModel::paper;
+        const double shot = paper ? double(plain.zeta) : std::min(double(plain.mostShot), 4 * double(plain.zeta));
         if (cosine > 0) return {0, shot * std::min(1.0, cosine), albedo};
         return {opacity * (paper ? std::min(1.0, -cosine) : 1), 0, albedo};
     }
-    if (step.model == ExchangeModel::paper) return {opacity, double(step.zeta), albedo};
-    const double p = step.escape.probability(tau);
+    if (plain.model == ExchangeModel::paper) return {opacity, double(plain.zeta), albedo};
+    const double p = plain.escape.probability(tau);
     const double ratio = along > 0 ? opacity / along : 1;
-    return {opacity, std::min(double(step.mostShot), double(step.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
+    return {opacity, std::min(double(plain.mostShot), double(plain.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
 }
 
 /// The local furnace in doubles, by its definition in exchange.h.
@@ -119,12 +119,12 @@ struct PlainFurnace {
     std::vector<double> sum;  ///< over the surfaces' bricks
 
     /// What a voxel takes of a ray that meets it with `weight` in slice k.
-    void meet(const PlainBeam& step, const std::pair<int, int>& at, int k, PackedNormal normal, double tau,
+    void meet(const PlainBeam& plain, const std::pair<int, int>& at, int k, PackedNormal normal, double tau,
               double opacity, double weight, double& total) {
         Ray& ray = rays[at];
-        if (ray.last < k - kSurfaceGap) ray.f = double(step.beam.furnaceRay);
-        const bool leaving = normal != 0 && tau > 0 && cosineOf(step, normal) > double(kLeavingCosine);
-        const bool inside = !leaving && ((normal != 0 && tau > 0) || tau >= double(step.solidTau));
+        if (ray.last < k - kSurfaceGap) ray.f = double(plain.beam.furnaceRay);
+        const bool leaving = normal != 0 && tau > 0 && cosineOf(plain, normal) > double(kLeavingCosine);
+        const bool inside = !leaving && ((normal != 0 && tau > 0) || tau >= double(plain.solidTau));
         const double in = inside ? weight * opacity * ray.f : 0;
         total += in;
         ray.taken += in;
@@ -143,10 +143,10 @@ struct PlainFurnace {
 /// weight 1.
 struct PlainSweep {
     const Volume& volume;
-    const PlainBeam& step;
+    const PlainBeam& plain;
     int channel;
     bool linear;
-    const RayFront& front = step.beam.front;
+    const RayFront& front = plain.beam.front;
     std::map<std::pair<int, int>, double> rays = {};
     std::vector<double> unshot = {}, deposit = {};
     double escaped = 0;
@@ -166,7 +166,7 @@ struct PlainSweep {
         const RayRange rows = rayExtent(front, front.row);
         for (int r = rows.begin; r < rows.end; ++r) {
             const RayRange columns = raysThatEnter(front, r);
-            for (int c = columns.begin; c < columns.end; ++c) rays[{r, c}] = double(step.beam.entering[channel]);
+            for (int c = columns.begin; c < columns.end; ++c) rays[{r, c}] = double(plain.beam.entering[channel]);
         }
         for (int k = 0; k < front.slices; ++k) sliceThrough(layout, map, k);
         for (const auto& [at, ray] : rays) escaped += ray;
@@ -186,7 +186,7 @@ struct PlainSweep {
                 if (b == kNoBrick) continue;
                 const std::size_t i = offsetInBrick(voxel);
                 const PackedNormal* const normals = volume.surfaces.normals(b);
-                const VoxelTerms terms = termsOf(step, normals ? normals[i] : 0, double(volume.tau.brick(b)[i]),
+                const VoxelTerms terms = termsOf(plain, normals ? normals[i] : 0, double(volume.tau.brick(b)[i]),
                                                  double(volume.albedo[channel].brick(b)[i]));
                 double& U = unshot[b * kBrickVoxels + i];
                 const double out = U * terms.shot;
@@ -198,7 +198,7 @@ struct PlainSweep {
                         const double taken = weight * terms.opacity * rays[ray];
                         in += taken;
                         if (normals)
-                            furnace.meet(step, ray, k, normals[i], double(volume.tau.brick(b)[i]), terms.opacity,
+                            furnace.meet(plain, ray, k, normals[i], double(volume.tau.brick(b)[i]), terms.opacity,
                                          weight, furnace.sum[volume.surfaces.slots[b] * std::size_t(kBrickVoxels) + i]);
                         change[ray] += weight * out - taken;
                     }
@@ -239,18 +239,18 @@ void expectSameAsPlain(const std::vector<Vec3>& directions, Interpolation interp
     Volume volume(channels);
     const Volume before(channels);
     const bool linear = interpolation == Interpolation::linear;
-    ExchangeStep step;
-    step.model = model;
-    step.escape = volume.escape.fit();
-    step.zeta = 0.9f / float(directions.size());
-    step.mostShot = 1 / float(directions.size());
-    step.solidTau = 2;
+    ExchangeConstants constants;
+    constants.model = model;
+    constants.escape = volume.escape.fit();
+    constants.zeta = 0.9f / float(directions.size());
+    constants.mostShot = 1 / float(directions.size());
+    constants.solidTau = 2;
     std::vector<Beam> beams;
     for (const Vec3& direction : directions)
         beams.push_back(makeBeam(volume, direction, interpolation, int(beams.size())));
     const ExchangeFields fields = volume.fields();
-    const std::vector<RaySums> sums = sweep(volume.sweepVolume, beams, interpolation, fields, step);
-    if (linear) settle(volume.sweepVolume, beams, fields, step);
+    const std::vector<RaySums> sums = sweep(volume.sweepVolume, beams, interpolation, fields, constants);
+    if (linear) settle(volume.sweepVolume, beams, fields, constants);
 
     // About 50 float operations on a ray's way, on values of order 1.
     constexpr double kRounding = 1e-5;
@@ -260,7 +260,7 @@ void expectSameAsPlain(const std::vector<Vec3>& directions, Interpolation interp
     for (int c = 0; c < channels; ++c) {
         std::vector<std::vector<double>> unshot, deposit, furnace;
         for (std::size_t i = 0; i < beams.size(); ++i) {
-            const PlainBeam plainBeam(step, beams[i]);
+            const PlainBeam plainBeam(constants, beams[i]);
             PlainSweep plain{before, plainBeam, c, linear};
             plain.run();
             unshot.push_back(plain.unshot);
