@@ -12,14 +12,17 @@
 #include "raysweep/core/error.h"
 #include "raysweep/sweep/directions.h"
 #include "raysweep/sweep/sweep.h"
+#include "support/instruction_sets.h"
 
 using namespace raysweep;
+using raysweep::test::forEachInstructionSet;
 
 namespace {
 
 /// Fields of a small random volume. `unshot` and `deposit` are what a sweep changes.
 struct Volume {
-    explicit Volume(int channelCount) : channels(channelCount), sweepVolume(makeLayout()), escape(Matrix3()) {
+    explicit Volume(int channelCount, const Periodic& periodic = {})
+        : channels(channelCount), sweepVolume(makeLayout(), periodic), escape(Matrix3()) {
         std::mt19937_64 random(11);
         const std::size_t bricks = sweepVolume.layout.brickCount();
         const auto fill = [&](BrickField& field, double low, double high) {
@@ -290,6 +293,48 @@ TEST(Exchange, AgreesWithItsFormulasAlongAllAxes) {
         }
 }
 
+// Every kernel of every instruction set that the machine has: `nearest`, `linear` and what settles it, both models, one
+// wavelength and three, bricks with and without surfaces, turned (z) and not.
+TEST(Exchange, AgreesWithItsFormulasOnAllInstructionSets) {
+    forEachInstructionSet([] {
+        for (const Vec3& direction : {Vec3(1, -0.3, 0.45), Vec3(0.6, -1, 0.9), Vec3(-0.3, 0.9, 1)})
+            for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear})
+                for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper})
+                    for (const int channels : {1, 3}) expectSameAsPlain({direction}, interpolation, model, channels);
+    });
+}
+
+// Where a volume repeats, bricks hang over the lattice's end and kernels take part of their lanes: the same by all.
+TEST(Exchange, InPeriodicVolumesIsTheSameOnAllInstructionSets) {
+    const Periodic periodic{true, true, true};
+    for (const Vec3& direction : {Vec3(1, -0.3, 0.45), Vec3(-0.3, 0.9, 1)})
+        for (const Interpolation interpolation : {Interpolation::nearest, Interpolation::linear}) {
+            std::vector<std::vector<float>> first;
+            forEachInstructionSet([&] {
+                Volume volume(1, periodic);
+                ExchangeConstants constants;
+                constants.escape = volume.escape.fit();
+                constants.solidTau = 2;
+                Beam beam = makeBeam(volume, direction, interpolation, 0);
+                beam.front = parallelFront(volume.sweepVolume.layout, direction, interpolation == Interpolation::linear,
+                                           0.31, 0.77, periodic);
+                const ExchangeFields fields = volume.fields();
+                sweep(volume.sweepVolume, {beam}, interpolation, fields, constants);
+                if (interpolation == Interpolation::linear) settle(volume.sweepVolume, {beam}, fields, constants);
+                const std::vector<const BrickField*> now = {&volume.unshot[0], &volume.deposit[0], &volume.furnace};
+                if (first.empty()) {
+                    for (const BrickField* field : now)
+                        first.emplace_back(field->brick(0), field->brick(0) + field->brickCount() * kBrickVoxels);
+                    return;
+                }
+                for (std::size_t f = 0; f < now.size(); ++f)
+                    for (std::size_t i = 0; i < first[f].size(); ++i)
+                        ASSERT_LE(std::abs(now[f]->brick(0)[i] - first[f][i]), 1e-5f)
+                            << "field " << f << " voxel " << i;
+            });
+        }
+}
+
 TEST(Exchange, OfSeveralBeamsIsThatOfEachInTheSameVolume) {
     for (int major = 0; major < 3; ++major)
         for (const double way : {1.0, -1.0}) {
@@ -315,21 +360,22 @@ TEST(Exchange, BeamsThatGoDifferentWaysAreRefused) {
     EXPECT_THROW(sweep(volume.sweepVolume, beams, Interpolation::nearest, volume.fields(), {}), InvalidArgument);
 }
 
-TEST(Exchange, EffectiveAlbedoOfAConservativeVoxelIsOneAtAnyDepth) {
+TEST(Exchange, EffectiveAlbedoIsThatOfItsFormulaOnAllInstructionSets) {
     const EscapeFit fit = Escape(Matrix3()).fit();
     alignas(64) float tau[kBrickVoxels], albedo[kBrickVoxels], g[kBrickVoxels];
-    for (int i = 0; i < kBrickVoxels; ++i) {
+    for (int i = 0; i < kBrickVoxels; ++i)
         tau[i] = std::min(kThickest, std::pow(10.0f, float(i) * 16 / kBrickVoxels - 9));
-        albedo[i] = 1;
-    }
-    for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper}) {
-        effectiveAlbedos(model, fit, nullptr, tau, albedo, g);
-        for (int i = 0; i < kBrickVoxels; ++i) EXPECT_EQ(g[i], 1) << "optical depth " << tau[i];
-    }
-    for (int i = 0; i < kBrickVoxels; ++i) albedo[i] = 0.7f;
-    effectiveAlbedos(ExchangeModel::consistent, fit, nullptr, tau, albedo, g);
-    for (int i = 0; i < kBrickVoxels; ++i) {
-        const double p = fit.probability(double(tau[i]));
-        EXPECT_LE(std::abs(double(g[i]) / effectiveAlbedo(double(albedo[i]), p) - 1), 1e-6) << tau[i];
-    }
+    forEachInstructionSet([&] {
+        std::fill_n(albedo, kBrickVoxels, 1.0f);
+        for (const ExchangeModel model : {ExchangeModel::consistent, ExchangeModel::paper}) {
+            effectiveAlbedos(model, fit, nullptr, tau, albedo, g);
+            for (int i = 0; i < kBrickVoxels; ++i) EXPECT_EQ(g[i], 1) << "optical depth " << tau[i];
+        }
+        std::fill_n(albedo, kBrickVoxels, 0.7f);
+        effectiveAlbedos(ExchangeModel::consistent, fit, nullptr, tau, albedo, g);
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            const double p = fit.probability(double(tau[i]));
+            EXPECT_LE(std::abs(double(g[i]) / effectiveAlbedo(double(albedo[i]), p) - 1), 1e-6) << tau[i];
+        }
+    });
 }
