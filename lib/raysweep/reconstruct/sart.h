@@ -61,7 +61,7 @@ struct SartPoint {
     int updates;      ///< so far
     double residual;  ///< RMS of p - A x over the rays since the last point, each just before its update, relative to
                       ///< the RMS of their line integrals p
-    double rms;  ///< RMS difference to the reference over all voxels of the grid; NaN without one
+    double rms;       ///< RMS difference to the reference over all voxels of the grid; NaN without one
 };
 
 struct SartResult {
