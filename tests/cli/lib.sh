@@ -46,3 +46,14 @@ finish() {
     [ "$failures" = 0 ] && echo "all as expected"
     exit $((failures > 0))
 }
+
+# Ctrl-C for process $1 once it has worked for about a second, however long that takes on a busy machine. Returns its exit code.
+interrupt_after_work() {
+    local ticks=0
+    while [ "${ticks:-9999}" -lt "$(getconf CLK_TCK)" ]; do
+        sleep 0.1
+        ticks=$(awk '{print $14}' "/proc/$1/stat" 2>/dev/null)
+    done
+    kill -INT "$1"
+    wait "$1"
+}

@@ -170,9 +170,7 @@ for picture in slices.png plot.svg; do [ -s $picture ] || fail "there is no $pic
 
 # Ctrl-C: the volume so far, and 130.
 (trap - INT && exec "$raysweep" ct p.mha --parallel -o stopped.vdb $grid --iterations 1000000 --report report.json) >.out 2>.err &
-sleep 1
-kill -INT $!
-wait $!
+interrupt_after_work $!
 [ $? = 130 ] || fail "Ctrl-C did not end with 130"
 expect_match "'stopped.vdb' holds the volume so far"
 expect_json report.json "r['termination'] == 'interrupted' and r['updates'] > 0"
