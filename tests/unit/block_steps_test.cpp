@@ -58,6 +58,21 @@ void expectSteps(const std::vector<float>& block, const BlockSteps& steps) {
     }
 }
 
+template <int kChannels>
+void expectThinOpacities() {
+    for (int count = 1; count <= kMostSteps; ++count) {
+        StepValue<kChannels> values[kMostSteps] = {};
+        for (int i = 0; i < count; ++i) values[i][0] = std::pow(10.0f, -12 + 0.43f * float(i));
+        float opacities[kMostSteps];
+        findOpacities<kChannels>(values, count, 0.37f, opacities);
+        for (int i = 0; i < count; ++i) {
+            const double exact = -std::expm1(-double(values[i][0]) * double(0.37f));
+            // Found: 7.8e-8, of the opacity itself; the depth and its exponential are rounded.
+            EXPECT_LE(std::abs(double(opacities[i]) / exact - 1), 8.5e-8) << values[i][0];
+        }
+    }
+}
+
 }  // namespace
 
 TEST(BlockSteps, AgreeWithPlainInterpolationOnAllInstructionSets) {
@@ -76,5 +91,13 @@ TEST(BlockSteps, AgreeWithPlainInterpolationOnAllInstructionSets) {
             expectSteps<2>(block, steps);
             expectSteps<4>(block, steps);
         }
+    });
+}
+
+TEST(BlockSteps, ThinOnesLoseNoDigitsOnAnyInstructionSet) {
+    test::forEachInstructionSet([] {
+        expectThinOpacities<1>();
+        expectThinOpacities<2>();
+        expectThinOpacities<4>();
     });
 }
