@@ -55,12 +55,14 @@ struct RenderResult {
     bool complete = true;  ///< false when stopped by the progress callback: the pixels not yet reached are 0
 };
 
-/// Emission and absorption along each pixel's rays (Dachille, Mueller, Kaufman 2000, section 2.3), with density and S
-/// interpolated linearly between voxel centres:
+/// Emission and absorption along each pixel's rays (Dachille, Mueller, Kaufman 2000, equation 1 and section 2.3; S
+/// stands for the power that they store in voxels, see docs/illumination.md), with density and S interpolated linearly
+/// between voxel centres:
 ///
 ///     L = integral of S(s) sigma(s) T(s) ds + T(end) background,   T(s) = exp(-integral of sigma from the eye to s)
+///       = sum over steps, front to back, of S T (1 - exp(-sigma ds)) + T background
 ///
-/// Each step takes sigma and S at its middle and its exact opacity 1 - exp(-sigma ds), so S = background = 1 gives 1 in
+/// Each step takes sigma and S at its middle and its exact opacity, so S = background = 1 gives 1 in
 /// every pixel whatever the density and the step. Samples lie at fixed distances from the eye, so skipping empty space
 /// changes nothing. A ray that ends early passes what little it had left on to what it met.
 ///
@@ -72,7 +74,8 @@ struct RenderResult {
 /// flat there is no normal and the factor is 1.
 ///
 /// The same bits for any number of threads.
-/// @param progress called between groups of image tiles; when it returns false the picture is returned as it is.
+/// @param progress called between groups of buckets, squares of pixels; when it returns false the picture is returned
+/// as it is.
 /// @throw InvalidArgument for options or camera out of range.
 RenderResult render(const RenderVolume& volume, const Camera& camera, const RenderOptions& options = {},
                     const ProgressCallback& progress = {});
