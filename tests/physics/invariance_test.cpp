@@ -63,7 +63,7 @@ TEST(Invariance, OfTheNumberOfThreads) {
         }
 }
 
-TEST(Invariance, OfThreadsWhereTilesOfRaysMeet) {
+TEST(Invariance, OfThreadsWhereCellsOfTheWavefrontMeet) {
     // Wide enough for several cells of the wavefront side by side.
     Scene scene;
     scene.medium.density = boxVolume({304, 296, 16});

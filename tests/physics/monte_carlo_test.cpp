@@ -101,7 +101,7 @@ Comparison compare(const Case& c, int sweeps, std::uint64_t histories) {
 
 void expectAgreement(const Case& c) {
     const Comparison result = compare(c, 512, 2000000);
-    // Thin voxels: what is left is the noise of 256 directions and the staircase of voxels. At half an optical depth
+    // Thin voxels: what is left is the noise of 512 directions and the staircase of voxels. At half an optical depth
     // per voxel the voxel itself begins to be too coarse.
     const double tolerance = c.opticalThickness / kEdge <= 0.25 ? 0.02 : 0.035;
     EXPECT_LE(result.error, tolerance);

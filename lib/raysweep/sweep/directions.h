@@ -39,7 +39,7 @@ class DirectionSequence {
         /// their mean scalar product is -1/(size - 1). Power that is scattered several times within one batch would be
         /// sent back too often (batches of 32: 15 % too little through a slab of optical thickness 5, however many
         /// sweeps), so batches must outgrow the number of sweeps that power stays in the volume.
-        int batch = 20;
+        int batch = 32;
         std::uint64_t seed = 1;
         int groupSize = 1;  ///< directions that are to come in a group, >= 1
         int total = 0;      ///< directions that will be asked for, for a batch to end there; 0: not known

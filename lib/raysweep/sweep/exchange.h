@@ -1,12 +1,16 @@
-/// What rays and voxels exchange (Dachille, Mueller and Kaufman 2000, Algorithm 1, as corrected in
-/// docs/illumination.md).
+/// What rays and voxels exchange: Dachille, Mueller and Kaufman 2000, Algorithm 1, as corrected in
+/// docs/illumination.md. What a ray of equation 1 gathers on its way to the eye (render.h), a ray here leaves behind on
+/// its way from the light.
 ///
-/// Along a direction with step length `len`, a ray of power e meets a voxel of extinction s and unshot power U:
+/// Along a direction a ray of power e goes one step of length len, its stretch in a slice, through a voxel of
+/// extinction s and unshot power U:
 ///
-///     alpha = 1 - exp(-s len)           opacity of the step
-///     in    = e alpha                   deposit
-///     out   = U min(1, zeta (alpha / (s len)) / p)
-///     D += in;   U += g in - out;   e += out - in
+///     Algorithm 1, corrected (`consistent`)             as printed (`paper`)
+///     alpha = 1 - exp(-s len)                           alpha = 1 - exp(-s h), h an edge of the voxel
+///     in    = e alpha                                   the same
+///     out   = U min(1, zeta (alpha / (s len)) / p)      out = zeta U
+///     D += in;   e += out - in                          the same
+///     U += g in - out                                   U += albedo in - out
 ///
 /// with p the voxel's escape probability and g its effective albedo (escape.h). Nothing here can become negative, and
 /// what one side gains the other loses.
@@ -46,8 +50,7 @@ constexpr float kLeavingCosine = 0.5f;
 /// How voxels scatter.
 enum class ExchangeModel {
     consistent,  ///< the rules above
-    paper  ///< Algorithm 1 as printed: opacity of one voxel edge whatever the direction, albedo for g, out = zeta U,
-           ///< and at surfaces in = e alpha |omega.n|, out = zeta U omega.n
+    paper        ///< Algorithm 1 as printed; at surfaces in = e alpha |omega.n|, out = zeta U omega.n
 };
 
 /// One float per voxel of every brick, or one brick of values that all share (`stride` 0).
@@ -109,7 +112,7 @@ struct SweptBeams {
     std::size_t count() const { return beams.size(); }
 };
 
-/// Steps the rays through bricks, none of which may come before one upwind of it; every voxel meets one ray of each
+/// Takes the rays through bricks, none of which may come before one upwind of it; every voxel meets one ray of each
 /// beam (`nearest`).
 void exchangeNearest(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                      const ExchangeConstants& constants);
