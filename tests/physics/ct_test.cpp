@@ -1,6 +1,6 @@
-// Reconstructions at the size of the paper's experiment. Times of other programs and their errors are those of a box
-// with holes of its own: RMS 0.0384, 0.0237, 0.0195 after one, two and three passes (parallel), 0.0536 and 0.0440
-// (cone).
+// Reconstructions at the size of the paper's experiment. Limits are a tenth above what is found. Times of other
+// programs and their errors are those of a box with holes of its own: RMS 0.0384, 0.0237, 0.0195 after one, two and
+// three passes (parallel), 0.0536 and 0.0440 (cone).
 #include <gtest/gtest.h>
 
 #include "raysweep/formats/volume_import.h"
@@ -52,9 +52,9 @@ SartResult boxWithHoles(BeamShape beam, const SartOptions& options) {
 TEST(CtSlow, ABoxWithHolesFromParallelViews) {
     const SartResult result = boxWithHoles(BeamShape::parallel, asTheAnchors());
     ASSERT_EQ(result.history.size(), 3u);
-    EXPECT_LE(result.history[0].rms, 0.038);
-    EXPECT_LE(result.history[1].rms, 0.024);
-    EXPECT_LE(result.history[2].rms, 0.0195);
+    EXPECT_LE(result.history[0].rms, 0.0356);
+    EXPECT_LE(result.history[1].rms, 0.0172);
+    EXPECT_LE(result.history[2].rms, 0.0117);
 }
 
 // Found: 0.0393, 0.0271.
@@ -63,11 +63,11 @@ TEST(CtSlow, ABoxWithHolesFromConeViews) {
     options.iterations = 2;
     const SartResult result = boxWithHoles(BeamShape::cone, options);
     ASSERT_EQ(result.history.size(), 2u);
-    EXPECT_LE(result.history[0].rms, 0.0536);
-    EXPECT_LE(result.history[1].rms, 0.044);
+    EXPECT_LE(result.history[0].rms, 0.0432);
+    EXPECT_LE(result.history[1].rms, 0.0298);
 }
 
-// The paper has an RMS of 0.09 after 1000 updates. Found: after 30.
+// The paper has an RMS of 0.09 after 1000 updates. Found: after 30, and 0.0587 after 50.
 TEST(CtSlow, TheEngine) {
     const std::string path = test::findData("volumes/engine.nrrd");
     if (path.empty()) GTEST_SKIP() << "volumes/engine.nrrd is not here";
@@ -84,5 +84,5 @@ TEST(CtSlow, TheEngine) {
     const SartResult result =
         sart(projectGrid(*engine, geometry), geometry, {kDims, around.center, 1}, quick, {nullptr, engine});
     ASSERT_EQ(result.history.size(), 8u);
-    EXPECT_LE(result.history[4].rms, 0.09) << "after 50 updates";
+    EXPECT_LE(result.history[4].rms, 0.0646) << "after 50 updates";
 }

@@ -1,4 +1,5 @@
-// Filtered backprojection of exact projections, against what they were made of.
+// Filtered backprojection of exact projections, against what they were made of. Limits are at most a tenth above what
+// is found.
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/phantoms/exact_projections.h"
@@ -129,8 +130,12 @@ void report(const std::string& name, const Difference& middle, const Difference&
 // A jump that is spread over a voxel leaves an error in a shell of that width: its RMS falls as sqrt(h), to 0.71 for
 // half the voxel. The thin skull, 1.8 pixels at 128, adds to it.
 TEST(FbpAccuracy, OfTheHeadTheErrorFallsWithTheSizeOfVoxels) {
+    const struct {
+        int size;
+        double rms;  // found: 0.0487, 0.0327, 0.0261
+    } cases[] = {{64, 0.0536}, {128, 0.0360}, {256, 0.0287}};
     double last = 1;
-    for (const int size : {64, 128, 256}) {
+    for (const auto& [size, rms] : cases) {
         CircularOrbit orbit;
         orbit.views = 2 * size;
         orbit.width = size;
@@ -141,10 +146,10 @@ TEST(FbpAccuracy, OfTheHeadTheErrorFallsWithTheSizeOfVoxels) {
         const Difference slice = reconstruct(truth, circularGeometry(orbit));
         report("head " + std::to_string(size), slice, slice);
         EXPECT_LT(slice.rms, 0.82 * last) << size;
-        EXPECT_NEAR(slice.inside, 0, 0.001);
+        EXPECT_LT(slice.rms, rms) << size;
+        EXPECT_NEAR(slice.inside, 0, 0.000285);  // found: 0.00026
         last = slice.rms;
     }
-    EXPECT_LT(last, 0.03);
 }
 
 // Where the detector stands, how it is sampled and in which order angles come must not show in the volume. In the
@@ -157,27 +162,29 @@ TEST(FbpAccuracy, AnEggIsFoundInAnyGeometry) {
         BeamShape beam;
         double arc;
         void (*change)(Orbit&);
-        double middleRms = 0.04, wholeRms = 0.035;
+        double middleRms, wholeRms;
     } cases[] = {
-        {"parallel", parallel, 180, [](Orbit&) {}},
-        {"parallel, full turn", parallel, 360, [](Orbit&) {}},
-        {"parallel, the other way", parallel, 180, [](Orbit& o) { o.arc = -180; }},
-        {"parallel, shifted detector", parallel, 180, [](Orbit& o) { o.axisColumn = 34.8, o.centerRow = 25.3; }},
-        {"parallel, quarter shift", parallel, 360, [](Orbit& o) { o.axisColumn = 31.75; }, 0.03},
-        {"parallel, tall pixels", parallel, 180, [](Orbit& o) { o.pixelHeight = 1.3, o.height = 40; }},
-        {"parallel, wide pixels", parallel, 180, [](Orbit& o) { o.pixelWidth = 1.2; }, 0.05},
-        {"cone", cone, 360, [](Orbit&) {}},
-        {"cone, the other way", cone, 360, [](Orbit& o) { o.arc = -360; }},
-        {"cone, another beginning", cone, 360, [](Orbit& o) { o.firstAngle = 77; }},
-        {"cone, shifted detector", cone, 360, [](Orbit& o) { o.axisColumn = 34.8, o.centerRow = 25.3; }},
-        {"cone, quarter shift", cone, 360, [](Orbit& o) { o.axisColumn = 31.75; }, 0.03},
-        {"cone, tall pixels", cone, 360, [](Orbit& o) { o.pixelHeight = 1.9, o.height = 44; }},
+        {"parallel", parallel, 180, [](Orbit&) {}, 0.0365, 0.0275},
+        {"parallel, full turn", parallel, 360, [](Orbit&) {}, 0.0365, 0.0275},
+        {"parallel, the other way", parallel, 180, [](Orbit& o) { o.arc = -180; }, 0.0365, 0.0275},
+        {"parallel, shifted detector", parallel, 180, [](Orbit& o) { o.axisColumn = 34.8, o.centerRow = 25.3; }, 0.0393,
+         0.0280},
+        {"parallel, quarter shift", parallel, 360, [](Orbit& o) { o.axisColumn = 31.75; }, 0.0287, 0.0181},
+        {"parallel, tall pixels", parallel, 180, [](Orbit& o) { o.pixelHeight = 1.3, o.height = 40; }, 0.0367, 0.0336},
+        {"parallel, wide pixels", parallel, 180, [](Orbit& o) { o.pixelWidth = 1.2; }, 0.0481, 0.0328},
+        {"cone", cone, 360, [](Orbit&) {}, 0.0350, 0.0282},
+        {"cone, the other way", cone, 360, [](Orbit& o) { o.arc = -360; }, 0.0350, 0.0282},
+        {"cone, another beginning", cone, 360, [](Orbit& o) { o.firstAngle = 77; }, 0.0350, 0.0282},
+        {"cone, shifted detector", cone, 360, [](Orbit& o) { o.axisColumn = 34.8, o.centerRow = 25.3; }, 0.0295,
+         0.0256},
+        {"cone, quarter shift", cone, 360, [](Orbit& o) { o.axisColumn = 31.75; }, 0.0273, 0.0254},
+        {"cone, tall pixels", cone, 360, [](Orbit& o) { o.pixelHeight = 1.9, o.height = 44; }, 0.0352, 0.0313},
         {"cone, detector on the axis", cone, 360,
-         [](Orbit& o) { o.sourceToDetector = 120, o.pixelWidth = o.pixelHeight = 1; }},
-        {"cone, another axis", cone, 360, [](Orbit& o) { o.center = Vec3(3, -2, 0); }},
-        {"cone, short scan", cone, 216, [](Orbit&) {}, 0.04, 0.06},
-        {"cone, short scan the other way", cone, 216, [](Orbit& o) { o.arc = -216; }, 0.04, 0.06},
-        {"cone, longer short scan", cone, 270, [](Orbit&) {}, 0.04, 0.06},
+         [](Orbit& o) { o.sourceToDetector = 120, o.pixelWidth = o.pixelHeight = 1; }, 0.0350, 0.0282},
+        {"cone, another axis", cone, 360, [](Orbit& o) { o.center = Vec3(3, -2, 0); }, 0.0397, 0.0283},
+        {"cone, short scan", cone, 216, [](Orbit&) {}, 0.0368, 0.0559},
+        {"cone, short scan the other way", cone, 216, [](Orbit& o) { o.arc = -216; }, 0.0350, 0.0521},
+        {"cone, longer short scan", cone, 270, [](Orbit&) {}, 0.0371, 0.0495},
     };
     for (const auto& c : cases) {
         CircularOrbit orbit = orbitOf(c.beam, c.arc);
@@ -186,9 +193,9 @@ TEST(FbpAccuracy, AnEggIsFoundInAnyGeometry) {
         const Difference whole = reconstruct(eggTruth(), circularGeometry(orbit));
         report(c.name, middle, whole);
         EXPECT_LT(middle.rms, c.middleRms) << c.name;
-        EXPECT_NEAR(middle.inside, 0, 0.0015) << c.name;
+        EXPECT_NEAR(middle.inside, 0, 0.00077) << c.name;  // found: 0.0007 about another axis
         EXPECT_LT(whole.rms, c.wholeRms) << c.name;
-        EXPECT_NEAR(whole.inside, 0, 0.005) << c.name;
+        EXPECT_NEAR(whole.inside, 0, c.beam == cone ? 0.00364 : 0.00077) << c.name;  // found: 0.0033, 0.0007
     }
 }
 
@@ -204,8 +211,8 @@ TEST(FbpAccuracy, TheAxisNeedNotBeUpright) {
         for (int i = 0; i < 24; ++i)
             for (int j = 0; j < 20; ++j)
                 for (int k = 0; k < 16; ++k)
-                    // Coordinates on the detector are rounded to 1e-5 pixels, and jumps are steep.
-                    ASSERT_NEAR(upright->tree().getValue({i, j, k}), aboutX->tree().getValue({k, i, j}), 1e-4);
+                    // Coordinates on the detector are rounded to 1e-5 pixels, and jumps are steep. Found: 1.6e-6.
+                    ASSERT_NEAR(upright->tree().getValue({i, j, k}), aboutX->tree().getValue({k, i, j}), 1.77e-6);
     }
 }
 
@@ -226,10 +233,10 @@ TEST(FbpAccuracy, DetectorsMayBeTurnedAndInclined) {
         }
         const Difference middle = reconstruct(eggMiddle(), geometry), whole = reconstruct(eggTruth(), geometry);
         report(inclined ? "cone, inclined detector" : "cone, turned detector", middle, whole);
-        EXPECT_LT(middle.rms, 0.04);
-        EXPECT_NEAR(middle.inside, 0, 0.0015);
-        EXPECT_LT(whole.rms, 0.035);
-        EXPECT_NEAR(whole.inside, 0, 0.008);
+        EXPECT_LT(middle.rms, inclined ? 0.0351 : 0.0300);           // found: 0.0319, 0.0273
+        EXPECT_NEAR(middle.inside, 0, 0.00037);                      // found: 0.00034
+        EXPECT_LT(whole.rms, inclined ? 0.0285 : 0.0255);            // found: 0.0260, 0.0232
+        EXPECT_NEAR(whole.inside, 0, inclined ? 0.00653 : 0.00362);  // found: 0.0059, 0.0033
     }
 }
 
@@ -243,9 +250,9 @@ TEST(FbpAccuracy, UnevenViewsCountByTheirGaps) {
         const auto geometry = selectViews(circularGeometry(orbit), which);
         const Difference middle = reconstruct(eggMiddle(), geometry), whole = reconstruct(eggTruth(), geometry);
         report(beam == BeamShape::cone ? "cone, uneven views" : "parallel, uneven views", middle, whole);
-        EXPECT_LT(middle.rms, 0.045);
-        EXPECT_NEAR(middle.inside, 0, 0.0015);
-        EXPECT_NEAR(whole.inside, 0, 0.005);
+        EXPECT_LT(middle.rms, 0.0353);                                             // found: 0.0333, 0.0321
+        EXPECT_NEAR(middle.inside, 0, 0.000477);                                   // found: 0.00043, 0.00031
+        EXPECT_NEAR(whole.inside, 0, beam == BeamShape::cone ? 0.0033 : 0.00005);  // found: 0.0030, 0.00004
     }
 }
 
@@ -263,5 +270,5 @@ TEST(FbpAccuracy, ShortAndFullScansAgreeTheBetterTheNarrowerTheCone) {
         difference[narrow] = rms[0] - rms[1];
         std::printf("short %.4f full %.4f\n", rms[0], rms[1]);
     }
-    EXPECT_LT(difference[1], 0.4 * difference[0]);
+    EXPECT_LT(difference[1], 0.168 * difference[0]);  // found: 0.153
 }

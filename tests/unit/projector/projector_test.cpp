@@ -152,14 +152,14 @@ void expectAdjoint(const std::vector<Scan>& scans) {
                 const double projected = dot(forward.values, backward.values, width, height);
                 backprojectView(backward, back);
                 ASSERT_GT(projected, 0) << scan.name;
-                EXPECT_NEAR(dot(x, back) / projected, 1, 1e-6) << scan.name << ", view " << view;
+                EXPECT_NEAR(dot(x, back) / projected, 1, 2.3e-7) << scan.name << ", view " << view;
             }
         }
 }
 
 }  // namespace
 
-// Floats are summed in different orders on both sides; what is found is about 1e-8.
+// Floats are summed in different orders on both sides; what is found is 1e-11 to 2.1e-7.
 TEST(Projector, BackprojectionIsItsAdjointOnEveryAxis) {
     expectAdjoint(scans());
 }
@@ -191,13 +191,14 @@ TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
         ViewRays rays;
         setView(rays, scan.geometry, 1, lattice);
         projectView(ones, rays);
-        // Positions of rows are rounded to 1e-5 of a voxel.
-        EXPECT_LT(largestDifference(rays.values, rays.weights, scan.geometry.width, scan.geometry.height), 1e-5)
+        // Rounding of positions and sums; found: 2.14e-7.
+        EXPECT_LT(largestDifference(rays.values, rays.weights, scan.geometry.width, scan.geometry.height), 2.35e-7)
             << scan.name;
     }
 }
 
-// Rays one by one are the plain twin of the kernels: they take the weights of joseph.h, voxel by voxel.
+// Rays one by one are the plain twin of the kernels: they take the weights of joseph.h, voxel by voxel. Floats are
+// rounded in other places; found: 1.1e-6 and 9e-7.
 TEST(Projector, KernelsAgreeWithRaysOneByOneOnAllInstructionSets) {
     const ColumnLattice lattice = centredLattice(Index3(40, 45, 37), 0.7);
     ColumnVolume volume = sparseVolume(lattice);
@@ -213,15 +214,16 @@ TEST(Projector, KernelsAgreeWithRaysOneByOneOnAllInstructionSets) {
             ViewRays rays;
             setView(rays, scan.geometry, 2, lattice);
             projectView(volume, rays);
-            EXPECT_LT(largestDifference(single.values, rays.values, width, height), 1e-5) << scan.name;
-            EXPECT_LT(largestDifference(single.weights, rays.weights, width, height), 1e-5) << scan.name;
+            EXPECT_LT(largestDifference(single.values, rays.values, width, height), 1.2e-6) << scan.name;
+            EXPECT_LT(largestDifference(single.weights, rays.weights, width, height), 9.9e-7) << scan.name;
         });
     }
 }
 
 TEST(Projector, NoVoxelThatADivergingBeamCoversIsMissed) {
     // Rays part by up to one voxel at the far side: 1.43 along a slice where they run at 45 degrees. Then the voxel
-    // furthest from its rays has weights of at least 1 - 1.43 / 2 in the slice and 1/2 along the columns.
+    // furthest from its rays has weights of at least 1 - 1.43 / 2 in the slice and 1/2 along the columns: 0.14. What is
+    // found is 0.65: rays of several rows meet it.
     CircularOrbit orbit = smallOrbit(BeamShape::cone);
     orbit.sourceToAxis = 60;
     orbit.sourceToDetector = 60;
@@ -237,7 +239,7 @@ TEST(Projector, NoVoxelThatADivergingBeamCoversIsMissed) {
         backprojectView(rays, back);
         for (int x = 0; x < 32; ++x)
             for (int y = 0; y < 32; ++y)
-                for (int z = 0; z < 32; ++z) ASSERT_GT(back.value(x, y, z), 0.14f) << x << " " << y << " " << z;
+                for (int z = 0; z < 32; ++z) ASSERT_GT(back.value(x, y, z), 0.59f) << x << " " << y << " " << z;
     }
 }
 
@@ -297,8 +299,9 @@ double ellipsoidError(BeamShape beam, double h) {
 TEST(Projector, ErrorAgainstAnEllipsoidsChordsFallsWithTheVoxels) {
     for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
         const double coarse = ellipsoidError(beam, 1.0 / 16), fine = ellipsoidError(beam, 1.0 / 64);
-        EXPECT_LT(fine, 0.006);          // of chords up to 1.4; found 0.0056 and 0.0052
-        EXPECT_LT(fine / coarse, 0.33);  // 1/4, and the noise of the few rays at the rim
+        const bool cone = beam == BeamShape::cone;
+        EXPECT_LT(fine, cone ? 0.00571 : 0.00617);       // of chords up to 1.4; found 0.0052 and 0.0056
+        EXPECT_LT(fine / coarse, cone ? 0.282 : 0.305);  // 1/4, and the noise of the few rays at the rim
     }
 }
 
@@ -316,8 +319,8 @@ TEST(Projector, GridsMayBeTurnedAndStretched) {
     orbit.width = orbit.height = 3;
     const Projections found = projectGrid(grid, circularGeometry(orbit));
     // Interpolation spreads the ends of the block, and keeps the integral.
-    EXPECT_NEAR(found.view(0)[4], 0.25 * 21, 1e-4);
-    EXPECT_NEAR(found.view(1)[4], 0.25 * 26, 1e-4);
+    EXPECT_NEAR(found.view(0)[4], 0.25 * 21, 1e-6);
+    EXPECT_NEAR(found.view(1)[4], 0.25 * 26, 1e-6);
 }
 
 TEST(Projector, RefusesWhatCannotBeProjected) {

@@ -81,7 +81,7 @@ TEST(Fbp, NegativeDensitiesCanBeCutOff) {
         ASSERT_EQ(cut->tree().getValue(it.getCoord()), std::max(*it, 0.0f));
         ASSERT_EQ(cut->tree().isValueOn(it.getCoord()), *it > 0);
     }
-    EXPECT_GT(negative, 100);
+    EXPECT_GT(negative, 1220);  // found: 1348
 }
 
 TEST(Fbp, WhatItCannotWorkWithIsRefusedByName) {

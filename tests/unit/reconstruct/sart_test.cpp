@@ -60,8 +60,9 @@ TEST(Sart, ConsistentProjectionsAreMetEverBetter) {
             EXPECT_LT(result.history[n].residual, result.history[n - 1].residual);
             EXPECT_LT(result.history[n].rms, result.history[n - 1].rms);
         }
-        EXPECT_LT(result.history.back().residual, 0.005);
-        EXPECT_LT(result.history.back().rms, 0.05);
+        const bool cone = beam == BeamShape::cone;
+        EXPECT_LT(result.history.back().residual, cone ? 0.00538 : 0.00273);  // found: 0.0049, 0.0025
+        EXPECT_LT(result.history.back().rms, cone ? 0.03865 : 0.02195);       // found: 0.0351, 0.0200
         EXPECT_EQ(result.updates, 12 * 31);
         EXPECT_EQ(result.history.back().updates, result.updates);
     }
@@ -85,7 +86,7 @@ TEST(Sart, TheAxisMayBeAnyOfTheGrids) {
         const Vec3 dims = renamed(Vec3(scan.grid.dims.x, scan.grid.dims.y, scan.grid.dims.z), axis);
         turned.grid.dims = Index3(int(dims.x), int(dims.y), int(dims.z));
         // Not to the last bit: x and y may have changed their roles, and so the order of sums.
-        EXPECT_NEAR(reconstruct(turned, options).history.back().residual, expected, 1e-4 * expected) << axis;
+        EXPECT_NEAR(reconstruct(turned, options).history.back().residual, expected, 1e-6 * expected) << axis;
     }
 }
 
@@ -144,8 +145,8 @@ TEST(Sart, AVolumeThatFitsStaysAsItIs) {
     options.iterations = 1;
     const SartResult result = sart(scan.projections, scan.geometry, scan.grid, options, {scan.phantom, scan.phantom});
     // Projecting twice gives the same numbers but for the ends of columns, which are added in another order.
-    EXPECT_LT(result.history[0].residual, 1e-6);
-    EXPECT_LT(result.history[0].rms, 1e-6);
+    EXPECT_LT(result.history[0].residual, 1e-7);
+    EXPECT_LT(result.history[0].rms, 1e-7);
 }
 
 TEST(Sart, TheHullHoldsTheObjectAndSavesTheRest) {
@@ -158,8 +159,8 @@ TEST(Sart, TheHullHoldsTheObjectAndSavesTheRest) {
         const SartResult hull = reconstruct(scan, options);
         options.support = Support::none;
         const SartResult all = reconstruct(scan, options);
-        EXPECT_LT(hull.keptVoxels, 0.5 * double(all.keptVoxels));
-        EXPECT_LE(hull.history.back().residual, all.history.back().residual);
+        EXPECT_LT(hull.keptVoxels, 0.169 * double(all.keptVoxels));                    // found: 0.154
+        EXPECT_LE(hull.history.back().residual, 0.657 * all.history.back().residual);  // found: 0.598, 0.555
 
         const ColumnLattice lattice =
             columnLattice({openvdb::Coord(0), openvdb::Coord(71, 71, 63)}, *scan.grid.transform(), 2);
@@ -188,8 +189,10 @@ TEST(Sart, RaysThatWereNotMeasuredHaveNoSay) {
     };
     // A detector column that is dead in every view leaves a ring, unless it is known to be.
     const SartResult believed = withColumn(0), repaired = withColumn(std::nanf(""));
-    EXPECT_LT(repaired.history.back().rms, 1.5 * clean.history.back().rms);
-    EXPECT_LT(repaired.history.back().rms, 0.5 * believed.history.back().rms);
+    // Found: 1.127, and 0.113. What the missing rays cost is more of the clean error since the phantom's faces lie
+    // where they are sampled exactly; before that it was less than a tenth.
+    EXPECT_LT(repaired.history.back().rms, 1.239 * clean.history.back().rms);
+    EXPECT_LT(repaired.history.back().rms, 0.124 * believed.history.back().rms);
     EXPECT_LT(repaired.raysUsed, clean.raysUsed);
 }
 
@@ -204,7 +207,7 @@ TEST(Sart, ASaturatedRaySaysAtLeast) {
     const double taken = reconstruct(scan, options).history.back().rms;
     scan.projections.saturation = limit;
     const double understood = reconstruct(scan, options).history.back().rms;
-    EXPECT_LT(understood, 0.9 * taken);
+    EXPECT_LT(understood, 0.88 * taken);  // found: 0.804
 }
 
 TEST(Sart, TotalVariationTakesNoiseAway) {
@@ -218,7 +221,7 @@ TEST(Sart, TotalVariationTakesNoiseAway) {
     options.relaxation = 0.3;
     const double rough = reconstruct(scan, options).history.back().rms;
     options.totalVariation = 0.5;
-    EXPECT_LT(reconstruct(scan, options).history.back().rms, 0.85 * rough);
+    EXPECT_LT(reconstruct(scan, options).history.back().rms, 0.85 * rough);  // found: 0.783
 }
 
 TEST(Sart, TotalVariationDoesNotKnowTheUnitOfLength) {
@@ -231,7 +234,7 @@ TEST(Sart, TotalVariationDoesNotKnowTheUnitOfLength) {
     for (XrayView& view : scan.geometry.views)
         for (Vec3* v : {&view.origin, &view.column, &view.row}) *v *= 1000;
     scan.grid.spacing *= 1000;
-    EXPECT_NEAR(reconstruct(scan, options).history.back().residual, expected, 1e-3 * expected);
+    EXPECT_NEAR(reconstruct(scan, options).history.back().residual, expected, 8.9e-5 * expected);  // found: 8.1e-5
 }
 
 TEST(Sart, StopsWhenTheResidualIsSmallOrTheUserSaysSo) {
@@ -241,7 +244,7 @@ TEST(Sart, StopsWhenTheResidualIsSmallOrTheUserSaysSo) {
     options.stopResidual = 0.02;
     const SartResult met = reconstruct(scan, options);
     EXPECT_EQ(met.termination, SartTermination::residual);
-    EXPECT_LT(met.history.size(), 50u);
+    EXPECT_EQ(met.history.size(), 3u);
     EXPECT_LT(met.history.back().residual, 0.02);
 
     options.stopResidual = 0;
@@ -256,7 +259,7 @@ TEST(Sart, StopsWhenTheResidualIsSmallOrTheUserSaysSo) {
                                     [&](const std::string&, double) { return ++calls <= 40; });
     EXPECT_EQ(stopped.termination, SartTermination::interrupted);
     EXPECT_EQ(stopped.updates, 40);
-    EXPECT_GT(stopped.volume->activeVoxelCount(), 1000u);
+    EXPECT_GT(stopped.volume->activeVoxelCount(), 30000u);
 }
 
 TEST(Sart, AnyNumberOfThreadsGivesTheSameBits) {
@@ -311,6 +314,6 @@ TEST(ViewOrder, GoldenViewsFollowEachOtherAcross) {
                 geometry.views[std::size_t(order[n - 1])].direction);
             sum += std::acos(std::abs(cosine)) * 180 / kPi;
         }
-        EXPECT_GT(sum / 79, 55) << arc;  // 69 if none were taken yet
+        EXPECT_GT(sum / 79, 57.3) << arc;  // found: 63.0 to 68.8; 69 if none were taken yet
     }
 }

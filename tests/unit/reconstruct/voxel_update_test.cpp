@@ -9,7 +9,8 @@
 
 using namespace raysweep;
 
-// Against the formula, voxel by voxel. A fused multiply-add rounds once where the formula here may round twice.
+// Against the formula, voxel by voxel. A fused multiply-add rounds once where the formula here may round twice:
+// found, 2.4e-7.
 TEST(VoxelUpdate, IsItsFormulaOnAllInstructionSets) {
     constexpr int kCount = 5 * 16;
     alignas(64) float voxels[kCount];
@@ -28,7 +29,7 @@ TEST(VoxelUpdate, IsItsFormulaOnAllInstructionSets) {
         for (int i = 0; i < kCount; ++i) {
             const float followed = before[i] + update.relaxation * values[i] / weights[i];
             const float expected = weights[i] > 0 ? std::clamp(followed, update.lower, update.upper) : before[i];
-            EXPECT_NEAR(voxels[i], expected, 1e-6f) << i;
+            EXPECT_NEAR(voxels[i], expected, 2.6e-7f) << i;
         }
     });
 }

@@ -55,7 +55,7 @@ TEST(LineIntegrals, CountsOfPixelsThatDifferGiveWhatTheyWereMadeFrom) {
     EXPECT_EQ(result.deadPixels, 0u);
     EXPECT_EQ(result.saturated, 0u);
     for (std::size_t p = 0; p < expected.values.size(); ++p)
-        EXPECT_NEAR(result.projections.values[p], expected.values[p], 1e-5);  // float counts of 1e4: 1e-7 * e^2
+        EXPECT_NEAR(result.projections.values[p], expected.values[p], 1.3e-7);  // rounding of floats; found: 1.2e-7
 }
 
 TEST(LineIntegrals, TooFewCountsSayAtLeast) {

@@ -32,10 +32,10 @@ TEST(RingFilter, SyntheticRingsAreReduced) {
     Projections filteredClean = clean;
     filterRings(filteredClean);
     const double before = rmsDifference(ringed, clean);
-    EXPECT_LT(rmsDifference(filtered, clean), before / 3);
+    EXPECT_LT(rmsDifference(filtered, clean), before / 3);  // found: before / 3.26
     // Most of that is what the filter takes from the body. What it leaves of the rings is less: about a ninth of a
     // ring, its share in the moving average, where that of a neighbouring ring begins or ends.
-    EXPECT_LT(rmsDifference(filtered, filteredClean), before / 4);
+    EXPECT_LT(rmsDifference(filtered, filteredClean), before / 4.19);  // found: before / 4.61
 }
 
 TEST(RingFilter, CleanSinogramIsLeftNearlyAsItIs) {
@@ -46,7 +46,7 @@ TEST(RingFilter, CleanSinogramIsLeftNearlyAsItIs) {
     for (const float value : clean.values) square += double(value) * value;
     const double rms = std::sqrt(square / double(clean.values.size()));
     // Half a percent: the ends of the discs' paths, where they stay for many views, and the large disc's edge.
-    EXPECT_LT(rmsDifference(filtered, clean), 6e-3 * rms);
+    EXPECT_LT(rmsDifference(filtered, clean), 5.2e-3 * rms);  // found: 4.73e-3
 }
 
 TEST(RingFilter, StraightSlopesAndConstantsStayTheSame) {
@@ -71,7 +71,7 @@ TEST(RingFilter, BoundsAndWhatWasNotMeasuredStay) {
             ++bounds;
             EXPECT_EQ(filtered.values[p], ringed.values[p]);
         }
-    EXPECT_GT(bounds, 100u);
+    EXPECT_GT(bounds, 5700u);
     EXPECT_TRUE(std::isnan(filtered.view(3)[40]));
     std::size_t nan = 0;
     for (const float value : filtered.values) nan += std::isnan(value);
