@@ -1,4 +1,5 @@
-# The README, as a newcomer types it: its lines of shell and its C++, one after the other in one folder.
+# The README, as a newcomer types it: its lines of shell and its C++, one after the other in one folder. Only the engine room is
+# lit on voxels four times as long: as it stands, it takes a minute.
 source "$(dirname "$0")/lib.sh" "$@"
 
 readme=$(dirname "${BASH_SOURCE[0]}")/../../README.md
@@ -9,7 +10,7 @@ raysweep generate shepp-logan -o head.vdb --size 128
 
 lines=0
 while IFS= read -r line; do
-    expect_exit 0 bash -c "$line"
+    expect_exit 0 bash -c "${line/--quality final/--quality final --resolution 0.25}"
     lines=$((lines + 1))
 done < <(sed -n 's/^    \(raysweep .*\)/\1/p' "$readme")
 [ "$lines" -ge 7 ] || fail "only $lines lines found"

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
+#include <limits>
 #include <map>
 #include <regex>
 #include <set>
@@ -51,23 +51,21 @@ std::string outputOf(const std::string& command) {
     return pclose(pipe) == 0 ? output : "";
 }
 
-std::vector<std::string> wordsOf(const std::string& text) {
-    std::istringstream words(text);
-    return {std::istream_iterator<std::string>(words), {}};
-}
-
-/// The library's object files that are in a module's folder, from the list that the build leaves.
+/// The library's object files, from the list that the build leaves.
 std::vector<ObjectFile> libraryObjects() {
+    const std::string list = raysweep::test::buildFolder() + "/tests/library_objects.txt";
+    // Lines "path: symbol type value size".
+    std::istringstream lines(
+        outputOf("grep '\\.o$' '" + list + "' | xargs -d '\\n' nm -A --extern-only --format=posix"));
     std::vector<ObjectFile> objects;
-    std::ifstream list(fs::path(raysweep::test::buildFolder()) / "tests" / "library_objects.txt");
-    for (std::string line; std::getline(list, line);) {
-        const fs::path path = fs::path(line).lexically_normal();
-        if (path.extension() != ".o") continue;
-        const std::size_t rank = rankOf(path.parent_path().filename().string());
-        const auto symbols = [&](const std::string& which) {
-            return wordsOf(outputOf("nm --format=just-symbols " + which + " '" + path.string() + "'"));
-        };
-        objects.push_back({path, rank, symbols("--defined-only --extern-only"), symbols("--undefined-only")});
+    std::string path, symbol, type;
+    while (lines >> path >> symbol >> type) {
+        lines.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+        path.pop_back();
+        if (objects.empty() || objects.back().path != path)
+            objects.push_back({path, rankOf(fs::path(path).parent_path().filename().string()), {}, {}});
+        const bool isDefined = type != "U" && type != "w" && type != "v";
+        (isDefined ? objects.back().defined : objects.back().undefined).push_back(symbol);
     }
     return objects;
 }

@@ -41,6 +41,7 @@ template <class Body>
 void parallelFor(std::size_t count, const Body& body, std::size_t grain = 1) {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
     detail::TaskOrder order;
+    order.tasksFollow();
     oneapi::tbb::parallel_for(Range(0, count, grain), [&](const Range& range) {
         order.taskBegins();
         for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
@@ -63,18 +64,22 @@ void parallelWavefront(int rows, int columns, const Body& body) {
     const auto isReady = [&](int i, int j) { return i < rows && j < columns && --waitsFor[at(i, j)] == 0; };
     // Goes on to the next row as long as it can: what the cell has left in the cache is needed there.
     const auto run = [&](const auto& self, int i, int j) -> void {
-        order.taskBegins();
         for (;;) {
             // By this ThreadSanitizer sees that the cells before this one are done: oneTBB hands tasks over unseen.
             waitsFor[at(i, j)].load(std::memory_order_acquire);
             body(i, j);
             const bool down = isReady(i + 1, j), aside = isReady(i, j + 1);
-            if (down && aside) group.run([&self, i, j]() RAYSWEEP_NOT_UNDER_TSAN { self(self, i, j + 1); });
+            if (down && aside)
+                group.run([&self, &order, i, j]() RAYSWEEP_NOT_UNDER_TSAN {
+                    order.taskBegins();
+                    self(self, i, j + 1);
+                });
             if (!down && !aside) break;
             down ? ++i : ++j;
         }
         order.taskEnds();
     };
+    order.tasksFollow();
     group.run_and_wait([&] { run(run, 0, 0); });
     order.allHaveEnded();
 }

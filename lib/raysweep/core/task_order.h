@@ -12,11 +12,11 @@
 
 namespace raysweep::detail {
 
-/// Made by the parent before its tasks. Tasks are not ordered among themselves by it.
+/// Between a parent and its tasks; tasks are not ordered among themselves by it.
 class TaskOrder {
   public:
 #if defined(__SANITIZE_THREAD__)
-    TaskOrder() {
+    void tasksFollow() {
         __tsan_release(&begun_);
     }
     void taskBegins() {
@@ -32,6 +32,7 @@ class TaskOrder {
   private:
     char begun_ = 0, ended_ = 0;
 #else
+    void tasksFollow() {}
     void taskBegins() {}
     void taskEnds() {}
     void allHaveEnded() {}
