@@ -60,7 +60,9 @@ void comment(const CtArguments& a, const Reconstruction& result) {
     for (const ReconstructionWarning& unlikely : result.warnings) warning(a.common, unlikely.message);
     if (!result.history.empty()) {
         const SartPoint& last = result.history.back();
-        detail(a.common, std::to_string(last.updates) + " updates; residual " + brief(last.residual, 3) +
+        detail(a.common, std::to_string(last.updates) + " updates; " +
+                             (std::isnan(last.residual) ? "no residual, as nothing was measured"
+                                                        : "residual " + brief(last.residual, 3)) +
                              (std::isnan(last.rms) ? "" : ", RMS difference " + brief(last.rms, 4)));
     }
     if (isInterrupted(result)) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
@@ -94,6 +96,7 @@ nlohmann::ordered_json describe(const Scan& scan) {
     return json;
 }
 
+/// NaN becomes null in the file.
 template <class Value>
 nlohmann::ordered_json historyOf(const Reconstruction& result, Value SartPoint::*value) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();

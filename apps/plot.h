@@ -10,7 +10,7 @@ namespace raysweep::apps {
 /// Fails early: the file must end in .svg or .png and gnuplot must be there. @throw Error
 void requirePlot(const std::string& path);
 
-/// A line through points (x, y); points with y = 0 or less are left out, since the axis is logarithmic.
+/// A line through points (x, y); points with y = 0 or less, or NaN, are left out, since the axis is logarithmic.
 struct Curve {
     std::string title;
     std::vector<std::pair<double, double>> points;

@@ -134,7 +134,11 @@ openvdb::Coord shiftTo(const openvdb::FloatGrid& grid, const ReconstructionGrid&
 std::string howItGoes(const std::vector<SartPoint>& history) {
     if (history.empty()) return "";
     std::ostringstream text;
-    text << std::setprecision(3) << ": residual " << history.back().residual;
+    text << std::setprecision(3) << ": ";
+    if (std::isnan(history.back().residual))
+        text << "nothing measured";
+    else
+        text << "residual " << history.back().residual;
     if (!std::isnan(history.back().rms)) text << ", RMS " << history.back().rms;
     return text.str();
 }
@@ -226,9 +230,9 @@ class Solver {
         return sums;
     }
 
-    /// To the history; may end the iteration.
+    /// To the history; may end the iteration, but not where nothing was measured: no residual is no small one.
     void addPoint() {
-        const double residual = sums_.measured > 0 ? std::sqrt(sums_.residual / sums_.measured) : 0;
+        const double residual = sums_.measured > 0 ? std::sqrt(sums_.residual / sums_.measured) : std::nan("");
         const double rms = reference_ ? rmsDifference(volume_, *reference_) : std::nan("");
         result_.history.push_back({result_.updates, residual, rms});
         sums_ = ResidualSums();

@@ -60,7 +60,7 @@ enum class SartTermination {
 struct SartPoint {
     int updates;      ///< so far
     double residual;  ///< RMS of p - A x over the rays since the last point, each just before its update, relative to
-                      ///< the RMS of their line integrals p
+                      ///< the RMS of their line integrals p; NaN if that is 0, or there was no such ray
     double rms;       ///< RMS difference to the reference over all voxels of the grid; NaN without one
 };
 

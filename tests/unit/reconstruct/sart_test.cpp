@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -260,6 +261,28 @@ TEST(Sart, StopsWhenTheResidualIsSmallOrTheUserSaysSo) {
     EXPECT_EQ(stopped.termination, SartTermination::interrupted);
     EXPECT_EQ(stopped.updates, 40);
     EXPECT_GT(stopped.volume->activeVoxelCount(), 30000u);
+}
+
+TEST(Sart, NothingMeasuredIsNoSmallResidual) {
+    SmallScan scan = smallScan();
+    std::fill_n(scan.projections.view(0), scan.projections.pixelsPerView(), std::nanf(""));
+    SartOptions options;
+    options.order = ViewOrder::sequential;
+    options.iterations = 1;
+    options.historyEvery = 1;
+    options.stopResidual = 1e-6;
+    const SartResult dead = reconstruct(scan, options);
+    EXPECT_EQ(dead.termination, SartTermination::iterations);
+    ASSERT_EQ(dead.history.size(), 31u);
+    EXPECT_TRUE(std::isnan(dead.history[0].residual));
+    EXPECT_GT(dead.history[1].residual, 0);
+
+    std::fill(scan.projections.values.begin(), scan.projections.values.end(), 0.0f);  // air
+    options.support = Support::none;
+    const SartResult air = reconstruct(scan, options);
+    EXPECT_EQ(air.termination, SartTermination::iterations);
+    EXPECT_TRUE(std::isnan(air.history.back().residual));
+    EXPECT_TRUE(air.volume->empty());
 }
 
 TEST(Sart, AnyNumberOfThreadsGivesTheSameBits) {
