@@ -20,15 +20,33 @@ struct Measured {
     bool complete = true;
 };
 
-/// The mean of all frames, for each pixel.
+/// The mean of all frames, for each pixel: of those in which it was measured, NaN without any.
 std::vector<float> meanFrame(const Projections& frames) {
     std::vector<float> mean(frames.pixelsPerView());
     for (std::size_t i = 0; i < mean.size(); ++i) {
         double sum = 0;
-        for (int n = 0; n < frames.views; ++n) sum += frames.view(n)[i];
-        mean[i] = float(sum / frames.views);
+        int measured = 0;
+        for (int n = 0; n < frames.views; ++n) {
+            const float value = frames.view(n)[i];
+            if (std::isnan(value)) continue;
+            sum += value;
+            ++measured;
+        }
+        mean[i] = float(sum / measured);
     }
     return mean;
+}
+
+/// The mean of the frames in a file, which must be as large as the projections.
+std::vector<float> readFrame(const std::string& path, const char* name, const ProjectionReadOptions& options,
+                             const Projections& projections) {
+    const Projections frames = readProjections({path}, options).projections;
+    const auto sizeOf = [](const Projections& p) { return std::to_string(p.width) + "x" + std::to_string(p.height); };
+    if (frames.width != projections.width || frames.height != projections.height)
+        throw InvalidArgument("the " + std::string(name) + " frame has " + sizeOf(frames) + " pixels ('" + path +
+                              "'), but the projections have " + sizeOf(projections) +
+                              "; give frames that the same detector made");
+    return meanFrame(frames);
 }
 
 Measured readHdf5(const ScanOptions& options, const ProgressCallback& progress) {
@@ -44,17 +62,18 @@ Measured readHdf5(const ScanOptions& options, const ProgressCallback& progress) 
 }
 
 Measured readFiles(const ScanOptions& options, const ProgressCallback& progress) {
-    ProjectionFile file = readProjections(options.projections, ProjectionReadOptions{options.repair}, progress);
+    const ProjectionReadOptions readOptions{options.repair};
+    ProjectionFile file = readProjections(options.projections, readOptions, progress);
     Measured measured;
     measured.values = std::move(file.projections);
     measured.scan.spacing = file.spacing;
     measured.scan.origin = file.origin;
     measured.format = file.format;
     measured.complete = file.complete;
-    if (!options.flat.empty()) {
-        measured.flat = meanFrame(readProjections({options.flat}).projections);
+    if (file.complete && !options.flat.empty()) {
+        measured.flat = readFrame(options.flat, "flat", readOptions, measured.values);
         measured.dark = options.dark.empty() ? std::vector<float>(measured.flat.size())
-                                             : meanFrame(readProjections({options.dark}).projections);
+                                             : readFrame(options.dark, "dark", readOptions, measured.values);
     }
     return measured;
 }

@@ -30,7 +30,7 @@ struct ScanOptions {
     /// without it line integrals; without `dark` 0 is counted without beam. HDF5 files have their own.
     std::string flat, dark;
     std::optional<RowRange> rows;      ///< HDF5: the only ones to read, see readDataExchange
-    bool repair = false;               ///< see ProjectionReadOptions
+    bool repair = false;               ///< see ProjectionReadOptions; of `flat` and `dark` as well
     double scale = 1;                  ///< factor on line integrals, > 0
     std::optional<double> saturation;  ///< line integral, > 0: see Projections::saturation
     bool findDeadPixels = false;       ///< see markDeadPixels
@@ -83,7 +83,8 @@ struct Scan {
 /// Reads a scan, makes line integrals of counts, leaves out what did not measure, finds the axis if asked to, and
 /// works out where the rays ran.
 /// @throw InvalidArgument as ScanOptions::validate; for values that cannot be worked with; if no ray was measured; if
-/// projections and geometry differ in size; as findRotationCenter and scanGeometry.
+/// projections and geometry, or projections and `flat` or `dark`, differ in size; as findRotationCenter and
+/// scanGeometry.
 /// @throw IoError as readProjections, readDataExchange and readGeometry.
 Scan readScan(const ScanOptions& options, const ProgressCallback& progress = {});
 

@@ -124,6 +124,34 @@ TEST_F(ScanFiles, CountsBecomeLineIntegralsByTheMeanOfFrames) {
     EXPECT_EQ(scan.found.rays.saturated, 1u);
 }
 
+TEST_F(ScanFiles, FramesMustBeOfTheSameDetector) {
+    ScanOptions options = plain();
+    options.flat = write("turned", Projections(kHeight, kWidth, 1));
+    expectRefused(options, "the flat frame has 3x24 pixels");
+    Projections flat(kWidth, kHeight, 1);
+    std::fill(flat.values.begin(), flat.values.end(), 1000.f);
+    options.flat = write("flat", flat);
+    options.dark = options.projections.front();
+    EXPECT_NO_THROW(readScan(options));
+    options.dark = write("narrow", Projections(kWidth - 1, kHeight, 1));
+    expectRefused(options, "the dark frame has 23x3 pixels");
+}
+
+TEST_F(ScanFiles, FramesAreRepairedAsProjectionsAre) {
+    Projections flat(kWidth, kHeight, 2);
+    std::fill(flat.values.begin(), flat.values.end(), 1000.f);
+    flat.view(1)[3] = std::numeric_limits<float>::infinity();  // measured in the other frame
+    flat.view(0)[4] = flat.view(1)[4] = kNaN;
+    ScanOptions options = plain();
+    options.flat = write("flat", flat);
+    expectRefused(options, "NaN or infinite");
+    options.repair = true;
+    const Scan scan = readScan(options);
+    EXPECT_EQ(scan.found.deadPixels, 1u);
+    EXPECT_FLOAT_EQ(scan.projections.values[3], -std::log(numbered(kWidth, kHeight, kViews).values[3] / 1000));
+    EXPECT_TRUE(std::isnan(scan.projections.values[4]));
+}
+
 TEST_F(ScanFiles, CorrectionsAreThoseOfTheCallsTheyAreMadeOf) {
     ScanOptions options = plain();
     options.scale = 2;
