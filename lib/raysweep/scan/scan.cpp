@@ -179,6 +179,8 @@ void ScanOptions::validate() const {
     if (ringWindow != 0) RingFilterOptions{ringWindow}.validate();
     if (axisSearch == AxisSearch::always && !(geometry.file.empty() && geometry.beam == BeamShape::parallel))
         throw InvalidArgument("axisSearch: the axis is only found for parallel beams that turn about z");
+    if (axisSearch == AxisSearch::always && geometry.axisColumn)
+        throw InvalidArgument("axisSearch: always, but axisColumn says where the axis is; give one of the two");
     geometry.validate();
 }
 

@@ -17,7 +17,7 @@ namespace raysweep {
 /// Whether the column onto which the axis falls is looked for in opposite views (findRotationCenter).
 enum class AxisSearch {
     automatic,  ///< for parallel beams of HDF5 files, unless `ScanGeometryOptions::axisColumn` is given
-    always,     ///< parallel beams only
+    always,     ///< parallel beams only, and not with an `axisColumn`
     never
 };
 

@@ -311,6 +311,11 @@ TEST_F(ScanFiles, WhatCannotBeAScanIsRefused) {
                       o.axisSearch = AxisSearch::always;
                   }),
                   "axisSearch");
+    expectRefused(with([](ScanOptions& o) {
+                      o.geometry.axisColumn = 10;
+                      o.axisSearch = AxisSearch::always;
+                  }),
+                  "axisColumn says where the axis is");
     expectError<IoError>([&] { readScan(with([](ScanOptions& o) { o.geometry.file = "missing.json"; })); },
                          "missing.json");
     ScanOptions nothing;
