@@ -2,6 +2,7 @@
 #include "raysweep/scan/data_exchange.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 
 #include <hdf5.h>
 
@@ -191,6 +192,11 @@ RowRange requireRows(const std::optional<RowRange>& rows, const Dataset& data, c
 }
 
 }  // namespace
+
+bool isHdf5(const std::string& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == ".h5" || extension == ".hdf5" || extension == ".hdf" || extension == ".nxs";
+}
 
 DataExchange readDataExchange(const std::string& path, const std::optional<RowRange>& rows,
                               const ProgressCallback& progress) {

@@ -19,6 +19,9 @@ struct DataExchange {
     bool complete = true;        ///< false if reading was stopped: then values are missing
 };
 
+/// True for names of files that are HDF5: .h5, .hdf5, .hdf, .nxs.
+bool isHdf5(const std::string& path);
+
 /// Detector rows first to last, both included.
 struct RowRange {
     int first = 0, last = 0;

@@ -7,6 +7,7 @@
 #include "raysweep/formats/itk_volume.h"
 #include "raysweep/formats/volume_files.h"
 #include "raysweep/image/image_io.h"
+#include "raysweep/scan/data_exchange.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +26,7 @@ const char* const kReadable =
 /// Kinds of files that are at home in a CT scan, or in this program, but hold no projections that this reader knows.
 void requireProjections(const std::string& path) {
     const std::string extension = lowerExtension(path);
-    const char* what = extension == ".h5" || extension == ".hdf5" || extension == ".nxs"
-                           ? "HDF5: counts, not line integrals"
+    const char* what = isHdf5(path)                                  ? "HDF5: counts, not line integrals"
                        : extension == ".xml" || extension == ".json" ? "a geometry"
                        : extension == ".vdb"                         ? "a sparse volume"
                                                                      : nullptr;

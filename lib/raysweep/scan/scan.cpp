@@ -1,7 +1,6 @@
 #include "raysweep/scan/scan.h"
 
 #include "raysweep/core/brief.h"
-#include "raysweep/core/file_name.h"
 #include "raysweep/core/require.h"
 #include "raysweep/scan/line_integrals.h"
 #include "raysweep/scan/ring_filter.h"
@@ -158,11 +157,6 @@ void requirePositive(double value, const char* field) {
 }
 
 }  // namespace
-
-bool isHdf5(const std::string& path) {
-    const std::string extension = lowerExtension(path);
-    return extension == ".h5" || extension == ".hdf5" || extension == ".hdf" || extension == ".nxs";
-}
 
 void ScanOptions::validate() const {
     if (projections.empty()) throw InvalidArgument("projections: give at least one file");

@@ -43,9 +43,6 @@ struct ScanOptions {
     void validate() const;
 };
 
-/// True for names of files that are read as HDF5.
-bool isHdf5(const std::string& path);
-
 /// What is possible, but hardly meant.
 struct ScanWarning {
     enum class Kind {

@@ -175,6 +175,7 @@ TEST_F(ProjectionFiles, FilesOfOtherKindsAreRefusedByWhatTheyAre) {
     expectError<InvalidArgument>([&] { readProjections({}); }, "no files");
     expectError<InvalidArgument>([&] { readProjections({folder / "geometry.xml"}); }, "it is a geometry");
     expectError<InvalidArgument>([&] { readProjections({folder / "scan.h5"}); }, "counts, not line integrals");
+    expectError<InvalidArgument>([&] { readProjections({folder / "scan.hdf"}); }, "counts, not line integrals");
     expectError<InvalidArgument>([&] { readProjections({folder / "volume.vdb"}); }, "it is a sparse volume");
     expectError<IoError>([&] { readProjections({folder / "p.mha"}); }, "no such file");
     expectError<IoError>([&] { writeProjections(folder / "p.tif", numbered(2, 2, 2)); }, "'.tif' is not known");
