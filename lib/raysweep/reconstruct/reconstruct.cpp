@@ -203,6 +203,7 @@ double leastBytes(const ReconstructionGrid& grid, const ReconstructOptions& opti
 
 Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, const ProgressCallback& progress) {
     options.validate();
+    scan.geometry.validate();
     requireMatching(scan.geometry, scan.projections);
     const Timer timer;
     Reconstruction result;

@@ -249,6 +249,12 @@ TEST(Reconstruct, WhatCannotBeReconstructedIsRefused) {
     other.geometry.views.pop_back();
     expectRefused(other, {}, "the geometry has 23 views, but the projections have 24");
 
+    Scan none = scan;
+    none.geometry.views.clear();
+    none.projections = Projections(scan.geometry.width, scan.geometry.height, 0);
+    for (const Method method : {Method::sart, Method::fbp})
+        expectRefused(none, onItsVoxels(method), "the geometry has no views");
+
     CircularOrbit once = orbitOf(BeamShape::parallel);
     once.views = 1;
     ReconstructOptions options;
