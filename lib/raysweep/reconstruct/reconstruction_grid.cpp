@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 
 namespace raysweep {
@@ -64,7 +65,20 @@ Vec3 snapped(const ReconstructionGrid& grid, const openvdb::FloatGrid& frame) {
     return grid.center + Vec3(place.x(), place.y(), place.z()) - first;
 }
 
-ReconstructionGrid gridOf(const openvdb::FloatGrid& frame) {
+/// What is reconstructed has cubic voxels.
+void requireCubes(const openvdb::FloatGrid& frame) {
+    constexpr double kSame = 1e-4;  // relative
+    const openvdb::Vec3d edges = frame.voxelSize();
+    if (edges[openvdb::math::MaxIndex(edges)] <= (1 + kSame) * edges[openvdb::math::MinIndex(edges)]) return;
+    std::ostringstream message;
+    message << "the voxels of the initial or reference volume are no cubes, but " << edges[0] << " x " << edges[1]
+            << " x " << edges[2] << ", so they do not say where to reconstruct";
+    throw InvalidArgument(message.str(), Remedy::setSpacing);
+}
+
+/// @param asked what of the grid is not the frame's
+ReconstructionGrid gridOf(const openvdb::FloatGrid& frame, const GridOptions& asked) {
+    if (!asked.dims || !asked.spacing) requireCubes(frame);
     const openvdb::Coord dims = frame.evalActiveVoxelBoundingBox().dim();
     return {Index3(dims.x(), dims.y(), dims.z()), middleOf(frame), frame.voxelSize()[0]};
 }
@@ -122,7 +136,7 @@ ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const 
     options.validate();
     ReconstructionGrid grid;
     if (frame)
-        grid = gridOf(*frame);
+        grid = gridOf(*frame, options);
     else if (!options.dims || !options.spacing)
         grid = turnedGrid(geometry);
     const Vec3 extent = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;

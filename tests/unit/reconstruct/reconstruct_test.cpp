@@ -179,6 +179,19 @@ TEST(Reconstruct, WhereTheVolumeLies) {
     const openvdb::Vec3d index = box->worldToIndex(openvdb::Vec3d(first.x, first.y, first.z));
     EXPECT_LT((index - openvdb::Coord::round(index).asVec3d()).length(), 1e-9);
 
+    box->setTransform(openvdb::math::Transform::createLinearTransform(
+        openvdb::math::Mat4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1)));
+    for (const bool both : {false, true}) {
+        GridOptions flat;
+        flat.dims = Index3(5, 5, 5);
+        if (both) flat.spacing = 1;
+        const auto call = [&] { reconstructionGrid(geometry, flat, box.get()); };
+        if (both)
+            EXPECT_NO_THROW(call());
+        else
+            expectError<InvalidArgument>(call, "are no cubes, but 1 x 1 x 2");
+    }
+
     options.spacing = 0;
     expectError<InvalidArgument>([&] { reconstructionGrid(geometry, options); }, "spacing 0: must be positive");
     options.dims = Index3(4, 0, 6);
