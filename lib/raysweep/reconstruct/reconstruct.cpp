@@ -5,7 +5,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/projector/footprint.h"
-#include "raysweep/projector/joseph.h"
+#include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/orbit_fit.h"
 #include "raysweep/scan/line_integrals.h"
 #include "raysweep/volume/statistics.h"
@@ -36,13 +36,6 @@ void requireVoxels(const openvdb::FloatGrid::ConstPtr& volume, const char* name)
 /// The volume that says where things are, if any.
 const openvdb::FloatGrid* frameOf(const ReconstructOptions& options) {
     return options.volumes.initial ? options.volumes.initial.get() : options.volumes.reference.get();
-}
-
-/// In how many views the grid falls onto the detector. @throw InvalidArgument if in none.
-int viewsSeeing(const ProjectionGeometry& geometry, const ReconstructionGrid& grid) {
-    const auto transform = grid.transform();
-    const openvdb::CoordBBox box(openvdb::Coord(0), openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
-    return requireSeen(geometry, columnLattice(box, *transform, columnAxisFor(geometry, *transform)));
 }
 
 void requireRoom(const ReconstructionGrid& grid, const ReconstructOptions& options) {
@@ -115,29 +108,12 @@ void iterate(const Scan& scan, const ReconstructOptions& options, const openvdb:
     result.seconds.updates = iterated.seconds;
 }
 
-/// Over all voxels of the grid, as SartPoint::rms; where voxels do not coincide, as compareGrids.
-double rmsOf(const openvdb::FloatGrid& volume, const openvdb::FloatGrid& reference, const Index3& dims) {
-    const auto place = [&](const openvdb::Coord& voxel) { return reference.worldToIndex(volume.indexToWorld(voxel)); };
-    const openvdb::Coord shift = openvdb::Coord::round(place(openvdb::Coord(0)));
-    const openvdb::Coord last(dims.x - 1, dims.y - 1, dims.z - 1);
-    if (!((place(openvdb::Coord(0)) - shift.asVec3d()).length() < 1e-3) ||
-        !((place(last) - (last + shift).asVec3d()).length() < 1e-3))
-        return compareGrids(volume, reference).rmse;
-    const double sum = orderedSum<double>(
-        std::size_t(dims.x),
-        [&](std::size_t x) {
-            const auto is = volume.getConstAccessor(), shouldBe = reference.getConstAccessor();
-            double squares = 0;
-            for (int y = 0; y < dims.y; ++y)
-                for (int z = 0; z < dims.z; ++z) {
-                    const openvdb::Coord voxel(int(x), y, z);
-                    const double difference = double(is.getValue(voxel)) - shouldBe.getValue(voxel + shift);
-                    squares += difference * difference;
-                }
-            return squares;
-        },
-        4);
-    return std::sqrt(sum / (double(dims.x) * dims.y * dims.z));
+/// See Reconstruction::rms.
+double rmsOf(const Reconstruction& result, const openvdb::FloatGrid* reference) {
+    if (!reference) return std::numeric_limits<double>::quiet_NaN();
+    const auto shift = shiftTo(*reference, result.grid);
+    return shift ? rmsDifference(*result.volume, *reference, result.grid.dims, *shift)
+                 : compareGrids(*result.volume, *reference).rmse;
 }
 
 std::optional<ReconstructionWarning> voxelSizeWarning(const ProjectionGeometry& geometry, double spacing) {
@@ -209,7 +185,7 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
     Reconstruction result;
     if (isDirect(options)) fitOrbit(scan.geometry);  // says why it cannot be, before anything else
     result.grid = reconstructionGrid(scan.geometry, options.grid, frameOf(options));
-    result.viewsSeeing = viewsSeeing(scan.geometry, result.grid);
+    result.viewsSeeing = requireSeen(scan.geometry, latticeOf(result.grid, scan.geometry));
     requireRoom(result.grid, options);
 
     bool stopped = false;  // once asked to stop, whatever comes next stops as well
@@ -228,9 +204,7 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
         result.termination = ReconstructionTermination::interrupted;
     result.seconds.total = timer.seconds();
 
-    const openvdb::FloatGrid* reference = options.volumes.reference.get();
-    result.rms =
-        reference ? rmsOf(*result.volume, *reference, result.grid.dims) : std::numeric_limits<double>::quiet_NaN();
+    result.rms = rmsOf(result, options.volumes.reference.get());
     addWarnings(scan.geometry, result);
     return result;
 }

@@ -65,8 +65,9 @@ struct Reconstruction {
     ReconstructionGrid grid;         ///< where it was reconstructed
     ReconstructionTermination termination = ReconstructionTermination::done;
     int viewsSeeing = 0;             ///< views in which the grid falls onto the detector
-    double rms = 0;                  ///< difference to the reference over all voxels of the grid, 1/world unit; where
-                                     ///< voxels do not coincide, as compareGrids; NaN without a reference
+    double rms = 0;                  ///< difference to the reference over all voxels of the grid, as SartPoint::rms,
+                                     ///< 1/world unit; NaN without one. Only fbp takes a reference whose voxels do not
+                                     ///< coincide with the grid's: then it is that of compareGrids
     std::vector<SartPoint> history;  ///< iterative methods only, as the next three
     int updates = 0;                 ///< corrections made
     std::size_t keptVoxels = 0;      ///< see SartResult

@@ -6,6 +6,7 @@
 #include "raysweep/core/require.h"
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/footprint.h"
+#include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/support.h"
 #include "raysweep/reconstruct/total_variation.h"
 #include "raysweep/reconstruct/voxel_update.h"
@@ -80,13 +81,6 @@ float largest(const Projections& projections) {
     return most;
 }
 
-ColumnLattice latticeOf(const ReconstructionGrid& grid, const ProjectionGeometry& geometry) {
-    const auto transform = grid.transform();
-    const openvdb::CoordBBox box(openvdb::Coord(0, 0, 0),
-                                 openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
-    return columnLattice(box, *transform, columnAxisFor(geometry, *transform));
-}
-
 /// The voxels that are kept, all 0.
 ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometry& geometry,
                          const ColumnLattice& lattice, const SartOptions& options) {
@@ -95,39 +89,14 @@ ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometr
     return ColumnVolume(lattice, visualHull(projections, geometry, lattice, threshold));
 }
 
-/// Over all voxels of the lattice, kept or not.
-double rmsDifference(const ColumnVolume& volume, const ColumnVolume& reference) {
-    const Index3 dims = volume.lattice().dims;
-    const double sum = orderedSum<double>(
-        std::size_t(dims.x),
-        [&](std::size_t x) {
-            double squares = 0;
-            for (int y = 0; y < dims.y; ++y)
-                for (int z = 0; z < dims.z; ++z) {
-                    const double difference = double(volume.value(int(x), y, z)) - reference.value(int(x), y, z);
-                    squares += difference * difference;
-                }
-            return squares;
-        },
-        4);
-    return std::sqrt(sum / (double(dims.x) * dims.y * dims.z));
-}
-
-/// The index of `grid`'s voxel that is where the reconstruction's voxel (0,0,0) is.
-openvdb::Coord shiftTo(const openvdb::FloatGrid& grid, const ReconstructionGrid& wanted, const char* what) {
-    const auto transform = wanted.transform();
-    const auto place = [&](const openvdb::Coord& voxel) {
-        return grid.transform().worldToIndex(transform->indexToWorld(voxel));
-    };
-    const openvdb::Coord shift = openvdb::Coord::round(place(openvdb::Coord(0, 0, 0)));
-    const Index3& dims = wanted.dims;
-    for (const openvdb::Coord& corner : {openvdb::Coord(0, 0, 0), openvdb::Coord(dims.x, 0, 0),
-                                         openvdb::Coord(0, dims.y, 0), openvdb::Coord(0, 0, dims.z)})
-        if (!((place(corner) - (corner + shift).asVec3d()).length() < 1e-3))
-            throw InvalidArgument(std::string("the voxels of the ") + what +
-                                  " volume are not where those of the reconstruction are: choose spacing and centre "
-                                  "such that they are, or resample it");
-    return shift;
+/// Copies a volume that was given, whose voxels must be those of `grid`.
+void fillFrom(const openvdb::FloatGrid& given, const ReconstructionGrid& grid, const char* what, ColumnVolume& volume) {
+    const auto shift = shiftTo(given, grid);
+    if (!shift)
+        throw InvalidArgument(std::string("the voxels of the ") + what +
+                              " volume are not where those of the reconstruction are: choose spacing and centre "
+                              "such that they are, or resample it");
+    fillColumns(volume, given, *shift);
 }
 
 /// What progress says of it.
@@ -278,17 +247,17 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
 
     SartResult result;
     const ColumnLattice lattice = latticeOf(grid, geometry);
-    result.viewsSeeing = requireSeen(geometry, lattice);
+    requireSeen(geometry, lattice);
     ColumnVolume volume = emptyVolume(projections, geometry, lattice, options);
     result.keptVoxels = volume.storedVoxels();
     if (volumes.initial) {
-        fillColumns(volume, *volumes.initial, shiftTo(*volumes.initial, grid, "initial"));
+        fillFrom(*volumes.initial, grid, "initial", volume);
         volume.clampAll(float(options.lower), float(options.upper));
     }
     std::optional<ColumnVolume> reference;
     if (volumes.reference) {
         reference.emplace(lattice);
-        fillColumns(*reference, *volumes.reference, shiftTo(*volumes.reference, grid, "reference"));
+        fillFrom(*volumes.reference, grid, "reference", *reference);
     }
     Solver({projections, geometry, options}, volume, reference ? &*reference : nullptr, result).run(progress);
     result.volume = gridOf(volume, *grid.transform(), float(options.tolerance));

@@ -71,7 +71,6 @@ struct SartResult {
     int updates = 0;             ///< corrections made
     double seconds = 0;          ///< spent on updates
     std::size_t keptVoxels = 0;  ///< in the support, in blocks of 8x8x16
-    int viewsSeeing = 0;         ///< views in which the grid falls on the detector
     std::size_t raysUsed = 0;    ///< in one pass: measured, and meeting the support
 };
 

@@ -139,6 +139,21 @@ TEST(Reconstruct, MakesWhatItsPartsMake) {
     EXPECT_TRUE(std::isnan(started.rms));
 }
 
+TEST(Reconstruct, TheDifferenceToTheReferenceIsThatOfTheHistory) {
+    const openvdb::FloatGrid::Ptr box = makeBoxWithHoles(smallBox());
+    box->tree().setValueOff(box->evalActiveVoxelBoundingBox().min().offsetBy(-1), 7);  // is nothing: it is not active
+    ReconstructOptions options = onItsVoxels(Method::sart);
+    options.volumes.reference = box;
+    const Reconstruction result = reconstruct(smallScan(), options);
+    EXPECT_NEAR(result.rms, result.history.back().rms, 1e-12);
+
+    box->setTransform(openvdb::math::Transform::createLinearTransform(0.9));
+    options.grid.center = Vec3(0);
+    expectRefused(smallScan(), options, "the reference volume are not where those of the reconstruction are");
+    options.method = Method::fbp;
+    EXPECT_GT(reconstruct(smallScan(), options).rms, 0) << "compared where it is";
+}
+
 TEST(Reconstruct, RaysThatWereNotMeasuredAreFilledInForFilteredBackprojectionOnly) {
     Scan scan = smallScan();
     scan.projections.view(3)[200] = std::numeric_limits<float>::quiet_NaN();
