@@ -2,13 +2,12 @@
 
 #include "raysweep/core/error.h"
 
-#include <string>
-
 namespace raysweep {
 
-RayPlace placeOf(const Projections& projections, std::size_t index) {
+std::string placeOf(const Projections& projections, std::size_t index) {
     const std::size_t width = std::size_t(projections.width), perView = projections.pixelsPerView();
-    return {index / perView, index % perView / width, index % width};
+    return "view " + std::to_string(index / perView) + ", row " + std::to_string(index % perView / width) +
+           ", column " + std::to_string(index % width);
 }
 
 float largestValue(const Projections& projections) {

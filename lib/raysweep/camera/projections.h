@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace raysweep {
@@ -27,11 +28,23 @@ struct Projections {
     const float* view(int n) const { return values.data() + n * pixelsPerView(); }
 };
 
-/// Which ray a value is of; all counted from 0.
-struct RayPlace {
-    std::size_t view, row, column;
+/// Values of some kind among the projections.
+struct ValuesFound {
+    std::size_t count = 0;
+    std::size_t first = 0;  ///< index of the first of them
 };
-RayPlace placeOf(const Projections& projections, std::size_t index);
+
+/// @param isMeant function of a value
+template <class IsMeant>
+ValuesFound findValues(const Projections& projections, const IsMeant& isMeant) {
+    ValuesFound found;
+    for (std::size_t n = 0; n < projections.values.size(); ++n)
+        if (isMeant(projections.values[n]) && found.count++ == 0) found.first = n;
+    return found;
+}
+
+/// Which ray a value is of, for messages: "view 2, row 1, column 3", all counted from 0.
+std::string placeOf(const Projections& projections, std::size_t index);
 
 /// The largest value that was measured; 0 if none is above it.
 float largestValue(const Projections& projections);

@@ -21,14 +21,11 @@ namespace {
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
 void requireFinite(const Projections& projections) {
-    for (std::size_t n = 0; n < projections.values.size(); ++n) {
-        if (std::isfinite(projections.values[n])) continue;
-        const RayPlace place = placeOf(projections, n);
-        throw InvalidArgument("view " + std::to_string(place.view) + ", column " + std::to_string(place.column) +
-                              ", row " + std::to_string(place.row) + ": the value is " +
-                              std::to_string(projections.values[n]) +
+    const ValuesFound bad = findValues(projections, [](float value) { return !std::isfinite(value); });
+    if (bad.count > 0)
+        throw InvalidArgument(placeOf(projections, bad.first) + ": the value is " +
+                              std::to_string(projections.values[bad.first]) +
                               "; filtered backprojection needs all pixels, so fill in what was not measured");
-    }
 }
 
 /// The turn that the views make, and what each stands for.

@@ -66,26 +66,17 @@ ResidualSums residual(ViewRays& rays, const Projections& projections, int number
 }
 
 void requireNoInfinity(const Projections& projections) {
-    for (std::size_t n = 0; n < projections.values.size(); ++n)
-        if (std::isinf(projections.values[n]))
-            throw InvalidArgument("view " + std::to_string(n / projections.pixelsPerView()) + ", row " +
-                                  std::to_string(n % projections.pixelsPerView() / std::size_t(projections.width)) +
-                                  ", column " + std::to_string(n % std::size_t(projections.width)) +
-                                  " is infinite; make it NaN if it was not measured");
-}
-
-float largest(const Projections& projections) {
-    float most = 0;
-    for (const float value : projections.values)
-        if (value > most) most = value;  // NaN is not
-    return most;
+    const ValuesFound infinite = findValues(projections, [](float value) { return std::isinf(value); });
+    if (infinite.count > 0)
+        throw InvalidArgument(placeOf(projections, infinite.first) +
+                              " is infinite; make it NaN if it was not measured");
 }
 
 /// The voxels that are kept, all 0.
 ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometry& geometry,
                          const ColumnLattice& lattice, const SartOptions& options) {
     if (options.support == Support::none) return ColumnVolume(lattice);
-    const float threshold = float(options.supportThreshold) * largest(projections);
+    const float threshold = float(options.supportThreshold) * largestValue(projections);
     return ColumnVolume(lattice, visualHull(projections, geometry, lattice, threshold));
 }
 

@@ -54,19 +54,17 @@ Projections converted(const StoredVolume& stored) {
 
 /// Infinities, where they are allowed, become NaN.
 void checkFinite(Projections& projections, const std::string& path, bool repair) {
-    std::size_t bad = 0, first = 0;
-    for (std::size_t p = 0; p < projections.values.size(); ++p) {
-        float& value = projections.values[p];
-        if (std::isfinite(value)) continue;
-        if (bad++ == 0) first = p;
-        if (repair) value = std::numeric_limits<float>::quiet_NaN();
+    const auto isBad = [](float value) { return !std::isfinite(value); };
+    if (repair) {
+        std::replace_if(projections.values.begin(), projections.values.end(), isBad,
+                        std::numeric_limits<float>::quiet_NaN());
+        return;
     }
-    if (bad == 0 || repair) return;
-    const RayPlace place = placeOf(projections, first);
-    throw InvalidArgument("'" + path + "' has " + std::to_string(bad) + (bad > 1 ? " values" : " value") + " that " +
-                              (bad > 1 ? "are" : "is") + " NaN or infinite, the first in view " +
-                              std::to_string(place.view) + ", row " + std::to_string(place.row) + ", column " +
-                              std::to_string(place.column) + " (all counted from 0)",
+    const ValuesFound bad = findValues(projections, isBad);
+    if (bad.count == 0) return;
+    throw InvalidArgument("'" + path + "' has " + std::to_string(bad.count) + (bad.count > 1 ? " values" : " value") +
+                              " that " + (bad.count > 1 ? "are" : "is") + " NaN or infinite, the first in " +
+                              placeOf(projections, bad.first) + " (all counted from 0)",
                           Remedy::leaveOutRays);
 }
 

@@ -89,7 +89,7 @@ TEST(Fbp, WhatItCannotWorkWithIsRefusedByName) {
         Case c = smallCase(beam);
         EXPECT_EQ(messageOf(c), "");
         c.projections.view(3)[2 * 40 + 7] = std::numeric_limits<float>::quiet_NaN();
-        EXPECT_NE(messageOf(c).find("view 3, column 7, row 2"), std::string::npos) << messageOf(c);
+        EXPECT_NE(messageOf(c).find("view 3, row 2, column 7"), std::string::npos) << messageOf(c);
         c = smallCase(beam);
         c.projections.width = 39;
         EXPECT_NE(messageOf(c).find("39"), std::string::npos) << messageOf(c);
