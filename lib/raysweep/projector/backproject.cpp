@@ -92,11 +92,7 @@ void addView(const BlockSums& block, const ViewRays& rays, ValuesAndWeights<floa
 
 void backprojectBlockDispatched(const ColumnVolume& layout, std::size_t b, const std::vector<ViewRays>& views,
                                 float* values, float* weights) {
-    const BlockSums block{layout,
-                          int(b / std::size_t(layout.blocksY())) * kBlockEdge,
-                          int(b % std::size_t(layout.blocksY())) * kBlockEdge,
-                          layout.ranges()[b],
-                          {values, weights}};
+    const BlockSums block{layout, layout.firstX(b), layout.firstY(b), layout.ranges()[b], {values, weights}};
     const std::size_t room = std::size_t(layout.lattice().dims.z + kColumnChunk);
     std::vector<float> scratch(2 * room);
     for (const ViewRays& rays : views)
@@ -154,7 +150,8 @@ void backprojectBlock(const ColumnVolume& layout, std::size_t block, const std::
 
 void backprojectView(ViewRays& rays, ColumnVolume& to) {
     prepareBackprojection(rays, to.lattice().dims.z);
-    const std::vector<ViewRays> views{std::move(rays)};
+    std::vector<ViewRays> views;
+    views.push_back(std::move(rays));  // braces would copy
     parallelFor(to.blockCount(), [&](std::size_t b) {
         std::vector<float> weights(to.voxelsOf(b));
         backprojectBlock(to, b, views, to.block(b), weights.data());

@@ -12,10 +12,6 @@
 namespace raysweep {
 namespace {
 
-int blocksFor(int voxels) {
-    return (voxels + kBlockEdge - 1) / kBlockEdge;
-}
-
 int roundedUp(int voxels) {
     return (voxels + kColumnChunk - 1) / kColumnChunk * kColumnChunk;
 }
@@ -33,7 +29,7 @@ Vec3 vec3(const openvdb::Vec3d& v) {
 template <class Use>
 void forEachVoxel(const ColumnVolume& volume, std::size_t block, const Use& use) {
     const ColumnLattice& lattice = volume.lattice();
-    const int firstX = int(block / volume.blocksY()) * kBlockEdge, firstY = int(block % volume.blocksY()) * kBlockEdge;
+    const int firstX = volume.firstX(block), firstY = volume.firstY(block);
     const ColumnRange range = volume.ranges()[block];
     for (int x = firstX; x < std::min(firstX + kBlockEdge, lattice.dims.x); ++x)
         for (int y = firstY; y < std::min(firstY + kBlockEdge, lattice.dims.y); ++y)
@@ -70,11 +66,7 @@ ColumnLattice columnLattice(const openvdb::CoordBBox& box, const openvdb::math::
 ColumnVolume::ColumnVolume(const ColumnLattice& lattice) : ColumnVolume(lattice, allOf(lattice)) {}
 
 ColumnVolume::ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange> kept)
-    : lattice_(lattice),
-      blocksX_(blocksFor(lattice.dims.x)),
-      blocksY_(blocksFor(lattice.dims.y)),
-      ranges_(std::move(kept)),
-      offsets_(ranges_.size() + 1) {
+    : lattice_(lattice), blocksY_(blocksFor(lattice.dims.y)), ranges_(std::move(kept)), offsets_(ranges_.size() + 1) {
     for (std::size_t t = 0; t < ranges_.size(); ++t)
         offsets_[t + 1] = offsets_[t] + std::size_t(ranges_[t].length()) * kBlockColumns;
     const std::size_t bytes = storedVoxels() * sizeof(float);

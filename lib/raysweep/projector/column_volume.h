@@ -46,6 +46,11 @@ struct ColumnRange {
     int length() const { return high - low; }
 };
 
+/// Blocks along an axis of so many voxels.
+constexpr int blocksFor(int voxels) {
+    return (voxels + kBlockEdge - 1) / kBlockEdge;
+}
+
 /// One float per voxel that is kept, 0 at first.
 class ColumnVolume {
   public:
@@ -55,8 +60,6 @@ class ColumnVolume {
     ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange> kept);
 
     const ColumnLattice& lattice() const { return lattice_; }
-    int blocksX() const { return blocksX_; }
-    int blocksY() const { return blocksY_; }
     std::size_t blockCount() const { return ranges_.size(); }
     const std::vector<ColumnRange>& ranges() const { return ranges_; }
     std::size_t storedVoxels() const { return offsets_.back(); }
@@ -65,6 +68,10 @@ class ColumnVolume {
     /// The columns of a block, one after the other, each as long as the block's range.
     float* block(std::size_t t) { return data_.get() + offsets_[t]; }
     const float* block(std::size_t t) const { return data_.get() + offsets_[t]; }
+
+    /// A block's columns begin at column (firstX, firstY).
+    int firstX(std::size_t block) const { return int(block / std::size_t(blocksY_)) * kBlockEdge; }
+    int firstY(std::size_t block) const { return int(block % std::size_t(blocksY_)) * kBlockEdge; }
 
     std::size_t blockOf(int x, int y) const { return std::size_t(x / kBlockEdge) * blocksY_ + y / kBlockEdge; }
 
@@ -92,7 +99,7 @@ class ColumnVolume {
         void operator()(float* p) const { std::free(p); }
     };
     ColumnLattice lattice_;
-    int blocksX_, blocksY_;
+    int blocksY_;
     std::vector<ColumnRange> ranges_;
     std::vector<std::size_t> offsets_;  ///< of each block, and the end
     std::unique_ptr<float[], Free> data_;

@@ -57,7 +57,7 @@ void backprojectOblique(const ColumnVolume& layout, std::size_t block, const Vie
     const Index3 dims = layout.lattice().dims;
     const ColumnRange range = layout.ranges()[block];
     VoxelBox box;
-    box.low = Index3(int(block) / layout.blocksY() * kBlockEdge, int(block) % layout.blocksY() * kBlockEdge, range.low);
+    box.low = Index3(layout.firstX(block), layout.firstY(block), range.low);
     box.high = Index3(std::min(box.low.x + kBlockEdge, dims.x), std::min(box.low.y + kBlockEdge, dims.y),
                       std::min(range.high, dims.z));
     const PixelBox pixels = footprintOf(box, rays.view);

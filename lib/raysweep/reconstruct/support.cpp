@@ -43,8 +43,7 @@ class SeenPixels {
 
 std::vector<ColumnRange> visualHull(const Projections& projections, const ProjectionGeometry& geometry,
                                     const ColumnLattice& lattice, float threshold) {
-    const int blocksX = (lattice.dims.x + kBlockEdge - 1) / kBlockEdge,
-              blocksY = (lattice.dims.y + kBlockEdge - 1) / kBlockEdge;
+    const int blocksX = blocksFor(lattice.dims.x), blocksY = blocksFor(lattice.dims.y);
     const int chunks = (lattice.dims.z + kColumnChunk - 1) / kColumnChunk;
     std::vector<std::uint8_t> empty(std::size_t(blocksX) * blocksY * chunks);
     for (int n = 0; n < int(geometry.views.size()); ++n) {

@@ -24,7 +24,7 @@ void copyWithHalo(const ColumnVolume& volume, std::size_t block, HaloBlock& to) 
     const ColumnLattice& lattice = volume.lattice();
     to.length = own.length() + 2;
     to.values.assign(std::size_t(kHalo) * kHalo * to.length, 0.0f);
-    const int firstX = int(block / volume.blocksY()) * kBlockEdge, firstY = int(block % volume.blocksY()) * kBlockEdge;
+    const int firstX = volume.firstX(block), firstY = volume.firstY(block);
     for (int x = -1; x <= kBlockEdge; ++x)
         for (int y = -1; y <= kBlockEdge; ++y) {
             const int i = firstX + x, j = firstY + y;
@@ -91,8 +91,7 @@ void descend(ColumnVolume& volume, const ColumnVolume& gradients, float scale, c
     const Index3 dims = volume.lattice().dims;
     parallelFor(volume.blockCount(), [&](std::size_t block) {
         const ColumnRange range = volume.ranges()[block];
-        const int firstX = int(block / volume.blocksY()) * kBlockEdge,
-                  firstY = int(block % volume.blocksY()) * kBlockEdge;
+        const int firstX = volume.firstX(block), firstY = volume.firstY(block);
         for (int x = 0; x < std::min(kBlockEdge, dims.x - firstX); ++x)
             for (int y = 0; y < std::min(kBlockEdge, dims.y - firstY); ++y) {
                 const std::size_t first = std::size_t(x * kBlockEdge + y) * range.length();
