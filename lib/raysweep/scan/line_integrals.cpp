@@ -39,10 +39,9 @@ std::vector<float> gains(const std::vector<float>& flat, const std::vector<float
     return gain;
 }
 
-/// In place: one view. @return values at saturation.
-std::size_t toLineIntegrals(float* view, const std::vector<float>& gain, const std::vector<float>& dark,
-                            double minimumTransmission, float saturation) {
-    std::size_t saturated = 0;
+/// In place: one view.
+void toLineIntegrals(float* view, const std::vector<float>& gain, const std::vector<float>& dark,
+                     double minimumTransmission, float saturation) {
     for (std::size_t p = 0; p < gain.size(); ++p) {
         if (gain[p] == 0 || !std::isfinite(view[p])) {
             view[p] = kUnmeasured;
@@ -51,9 +50,7 @@ std::size_t toLineIntegrals(float* view, const std::vector<float>& gain, const s
         const double transmission = (double(view[p]) - dark[p]) / gain[p];
         const float value = transmission > minimumTransmission ? float(-std::log(transmission)) : saturation;
         view[p] = std::min(value, saturation);
-        saturated += view[p] >= saturation;
     }
-    return saturated;
 }
 
 }  // namespace
@@ -74,13 +71,10 @@ LineIntegrals lineIntegrals(Projections counts, const std::vector<float>& flat, 
     result.projections = std::move(counts);
     result.projections.saturation = float(-std::log(options.minimumTransmission));
     result.deadPixels = std::size_t(std::count(gain.begin(), gain.end(), 0.0f));
-    result.saturated = orderedSum<std::size_t>(
-        std::size_t(result.projections.views),
-        [&](std::size_t n) {
-            return toLineIntegrals(result.projections.view(int(n)), gain, dark, options.minimumTransmission,
-                                   result.projections.saturation);
-        },
-        1);
+    parallelFor(std::size_t(result.projections.views), [&](std::size_t n) {
+        toLineIntegrals(result.projections.view(int(n)), gain, dark, options.minimumTransmission,
+                        result.projections.saturation);
+    });
     return result;
 }
 

@@ -22,7 +22,6 @@ struct LineIntegralOptions {
 struct LineIntegrals {
     Projections projections;     ///< `saturation` is -log(minimumTransmission)
     std::size_t deadPixels = 0;  ///< of the detector; NaN in all views
-    std::size_t saturated = 0;   ///< values at saturation
 };
 
 /// -log((counts - dark) / (flat - dark)) for each ray, without unit. Counts at or below the dark ones, and all others

@@ -47,7 +47,6 @@ class DirectionSequence {
 
     /// @param classOf number of the class of a direction, in [0, kDirectionClasses); a group is of one class
     explicit DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf = {});
-    Vec3 next() { return nextGroup(1).front(); }
     /// Directions of one class: up to `groupSize` and up to `most`. Those left over come next.
     std::vector<Vec3> nextGroup(int most);
 

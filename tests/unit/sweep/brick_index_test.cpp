@@ -94,7 +94,7 @@ TEST(FrontRays, EveryVoxelMeetsExactlyOneRay) {
     std::mt19937_64 random(4);
     DirectionSequence directions({DirectionSet::fibonacci, 16, 2});
     for (int trial = 0; trial < 16; ++trial) {
-        Vec3 direction = directions.next();
+        Vec3 direction = directions.nextGroup(1).front();
         if (trial < 3) direction = Vec3(trial == 0, trial == 1, trial == 2);
         if (trial == 3) direction = Vec3(-1, 1, 1);
         const RayFront front =
@@ -113,7 +113,7 @@ TEST(FrontRays, EveryVoxelMeetsOneRayInAPeriodicVolume) {
         const SweepVolume volume(layout, {true, true, false});
         DirectionSequence directions({DirectionSet::fibonacci, 16, 2});
         for (int trial = 0; trial < 16; ++trial) {
-            const Vec3 direction = directions.next();
+            const Vec3 direction = directions.nextGroup(1).front();
             if (majorAxis(direction) != 2) continue;
             const RayFront front = parallelFront(volume.layout, direction, 0, 0.3, 0.8, volume.periodic);
             EXPECT_EQ(countRaysThatEnter(front), double(edge) * edge);
@@ -127,7 +127,7 @@ TEST(Wavefront, MeetsEveryBrickOnceAndNoneBeforeOneUpwind) {
     const SweepVolume volume(scatteredLayout(0.3));
     DirectionSequence directions({DirectionSet::fibonacci, 12, 2});
     for (int trial = 0; trial < 12; ++trial) {
-        const RayFront front = parallelFront(volume.layout, directions.next(), 0, 0.2, 0.7, {});
+        const RayFront front = parallelFront(volume.layout, directions.nextGroup(1).front(), 0, 0.2, 0.7, {});
         const Wavefront wavefront(volume, front, volume.indexFor(front.axis.major, Interpolation::nearest), false);
         // Cells in an order that a wavefront may take: strip by strip.
         std::vector<int> cellOf(volume.layout.brickCount(), -1), stepOf = cellOf;

@@ -27,7 +27,7 @@ double unevenness(const std::vector<Vec3>& directions) {
 std::vector<Vec3> draw(DirectionSet set, int batch, std::uint64_t seed, int count) {
     DirectionSequence sequence({set, batch, seed});
     std::vector<Vec3> directions;
-    for (int i = 0; i < count; ++i) directions.push_back(sequence.next());
+    for (int i = 0; i < count; ++i) directions.push_back(sequence.nextGroup(1).front());
     return directions;
 }
 

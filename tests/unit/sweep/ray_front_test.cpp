@@ -46,7 +46,7 @@ TEST(RayFront, RaysThatEnterAreThoseFoundByTrying) {
     std::mt19937_64 random(4);
     DirectionSequence directions({DirectionSet::random, 1, 2});
     for (int trial = 0; trial < 100; ++trial) {
-        Vec3 direction = directions.next();
+        Vec3 direction = directions.nextGroup(1).front();
         if (trial < 6) direction = Vec3(trial / 2 == 0, trial / 2 == 1, trial / 2 == 2) * (trial % 2 ? 1.0 : -1.0);
         if (trial == 6) direction = Vec3(1, 1, 1);  // slopes of exactly 1
         const Periodic periodic{trial % 5 == 1, trial % 5 == 2, trial % 7 == 3};
