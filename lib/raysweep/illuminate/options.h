@@ -29,8 +29,9 @@ enum class Exchange {
 };
 
 struct IlluminateOptions {
-    /// Part of a voxel's unshot power that leaves in one sweep, (0,1]. Not given: 0.1 with a coarse start (0.2 where
-    /// voxels are thick), else 0.5. (Paper: 0.1, which from the dark needs ten times as many sweeps.)
+    /// ζ, the part of a voxel's unshot power that leaves when K directions pass it together, ζ/K along each (a mean
+    /// over directions); K is the most that may, see `beams`. (0,1]. Not given: 0.1 with a coarse start (0.2 where
+    /// voxels are thick), else 0.5. (Paper: K = 1 and 0.1, which from the dark needs ten times as many sweeps.)
     std::optional<double> zeta;
     /// Stop when the RMS difference of radiosity between estimates 20 sweeps apart, relative to its RMS, is below this
     /// (paper, section 2.2, with delta i = 20); 0: never. >= 0.
@@ -51,7 +52,8 @@ struct IlluminateOptions {
     /// long again), and what is under way at the end is settled there, if `remaining` is `shoot`. Not so with this.
     bool darkStart = false;
     /// Directions that pass a brick together, reading the same unshot power, 0 to 8: quicker for each, a little worse
-    /// as a sample. 0: 4 with a coarse start, if voxels are thin, else 1.
+    /// as a sample. 0: 4 with a coarse start, if voxels are thin, else 1. Always 1 in periodic volumes, and of
+    /// directions that are not `fibonacci`.
     int beams = 0;
     std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits
     Periodic periodic{false, false, false};  ///< axes of index space along which the bricks' bounding box repeats
@@ -59,7 +61,7 @@ struct IlluminateOptions {
     /// far, unshot power spread.
     int snapshotEvery = 0;
     std::function<void(int sweep, openvdb::GridBase::Ptr radiosity)> snapshot;
-    /// Called after every sweep, for those who want to look closer.
+    /// Called after every sweep with what its rays carried, W, for those who want to look closer.
     std::function<void(const Vec3& direction, const RaySums& totals)> afterSweep;
 
     /// @throw InvalidArgument naming field, value and bound.

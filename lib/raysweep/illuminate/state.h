@@ -98,7 +98,8 @@ void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, floa
 /// Sum over all voxels.
 double sumOf(const BrickField& field);
 
-/// The constants of a sweep of at most `beams` beams, each of which shoots the part `zeta`.
+/// The constants of a sweep of at most `beams` beams, each of which shoots the part `zeta`: what they shoot together
+/// over their number.
 ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int beams);
 
 /// The beam of `front`, dark.

@@ -30,8 +30,8 @@ enum class Inject { everything, nothing };
 
 /// How unshot power is shot.
 struct Pace {
-    double zeta;  ///< the part of it in a sweep of `beams` beams
-    int beams;    ///< at most
+    double zeta;  ///< the part of it when `beams` beams go together: each of them shoots zeta / beams
+    int beams;    ///< K: the most that go together
 };
 
 constexpr Pace kSettling{0.5, 1};  ///< of a change on a coarse level
@@ -61,7 +61,8 @@ Pace paceOf(const SolverState& state, const IlluminateOptions& options, bool coa
     if (coarse) pace = meanDepth(state) > kThickVoxels ? Pace{0.2, 1} : Pace{0.1, 4};
     if (options.zeta) pace.zeta = *options.zeta;
     if (options.beams > 0) pace.beams = options.beams;
-    if (isPeriodic(options.periodic)) pace.beams = 1;
+    // Other sets have no groups: their directions would each shoot a part of what one alone should.
+    if (isPeriodic(options.periodic) || options.directions != DirectionSet::fibonacci) pace.beams = 1;
     return pace;
 }
 
