@@ -11,7 +11,7 @@ struct Emitters {
     std::size_t invisible = 0;  ///< those of the emission grid that have no extinction
 };
 
-/// Fills `state.power.source`, `perInjection` and `powerUnit`: what one injection adds; and `seen` and `emitted`: what
+/// Fills `state.power.source`, `perInjection` and `unit`: what one injection adds; and `seen` and `emitted`: what
 /// of it shows on surfaces.
 Emitters addDirectLight(SolverState& state, const Scene& scene);
 

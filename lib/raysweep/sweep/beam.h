@@ -8,7 +8,7 @@ namespace raysweep {
 struct Beam {
     RayFront front;
     float stepScale = 1;                 ///< step length / mean step length
-    float entering[kMaxChannels] = {0};  ///< power of a ray when it enters the volume, W
+    float entering[kMaxChannels] = {0};  ///< power of a ray when it enters the volume, any unit of power
     float furnaceRay = 1;                ///< what a ray of radiance 1 adds to the local furnace
 };
 

@@ -73,15 +73,15 @@ inline BrickView<const float> sharedView(const BrickField& field) {
     return {field.brick(0), 0};
 }
 
-/// The volume as the exchange sees it.
+/// The volume as the exchange sees it. Powers are in any unit, that of the rays.
 struct ExchangeFields {
     int channels = 1;
     BrickView<const float> tau;                   ///< extinction * mean step length
     BrickView<const float> albedo[kMaxChannels];  ///< single-scattering albedo
-    BrickView<const float> source[kMaxChannels];  ///< power added to `unshot` for each beam, W
-    BrickView<float> unshot[kMaxChannels];        ///< U, W
-    BrickView<float> deposit[kMaxChannels];       ///< D, W
-    BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone, W; `linear` only
+    BrickView<const float> source[kMaxChannels];  ///< power added to `unshot` for each beam
+    BrickView<float> unshot[kMaxChannels];        ///< U
+    BrickView<float> deposit[kMaxChannels];       ///< D
+    BrickView<float> fresh[kMaxChannels];         ///< deposit of this sweep alone; `linear` only
     const Surfaces* surfaces = nullptr;           ///< null: none
     BrickView<float> furnace;  ///< F of the surfaces' bricks, in units of a ray's; null: not measured
 };
@@ -92,7 +92,7 @@ constexpr int kMostBeams = 8;  ///< in one sweep
 struct ExchangeConstants {
     ExchangeModel model = ExchangeModel::consistent;
     EscapeFit escape;
-    float zeta = 0.5f;       ///< part of the unshot power that is shot along each beam, (0,1]
+    float zeta = 0.5f;       ///< ζ/K: part of the unshot power that is shot along each of up to K beams, (0,1]
     float mostShot = 1;      ///< the most that a beam may take of it; together they must not take more than there is
     float solidTau = 1e30f;  ///< tau from which on a voxel is solid, surface or not
 };

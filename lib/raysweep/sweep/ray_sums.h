@@ -5,7 +5,7 @@
 
 namespace raysweep {
 
-/// Ray powers summed over a beam's rays at both ends, W.
+/// Ray powers summed over a beam's rays at both ends, in the unit of the rays' power.
 struct RaySums {
     double entered[kMaxChannels] = {0};
     double escaped[kMaxChannels] = {0};
