@@ -11,7 +11,9 @@ namespace raysweep {
 /// a view, so that its memory is used again.
 struct ViewRays {
     JosephView view;
-    RayImage values, weights;  ///< of each pixel
+    /// Of each pixel: A x and A 1 after projectView; the solvers put in what is to be spread back, residuals over
+    /// lengths, and as weight 1 for a ray that counts and 0 for one that does not.
+    RayImage values, weights;
     /// The same brought to the voxels' z, where all rays of a view stay at one (see prepareBackprojection).
     RayImage levelValues, levelWeights;
 };

@@ -71,7 +71,8 @@ struct SartResult {
     int updates = 0;             ///< corrections made
     double seconds = 0;          ///< spent on updates
     std::size_t keptVoxels = 0;  ///< in the support, in blocks of 8x8x16
-    std::size_t raysUsed = 0;    ///< in one pass: measured, and meeting the support
+    std::size_t raysUsed = 0;  ///< in the first pass: measured, meeting the support, and not saturated where the volume
+                               ///< already gave as much
 };
 
 /// What a reconstruction starts from and is compared with; both may be null. Their voxels
