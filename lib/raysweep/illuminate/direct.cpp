@@ -5,8 +5,7 @@
 #include "raysweep/illuminate/quad.h"
 #include "raysweep/illuminate/voxel_radiance.h"
 #include "raysweep/sweep/diverging_front.h"
-#include "raysweep/volume/active_values.h"
-#include "raysweep/volume/channels.h"
+#include "raysweep/volume/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -211,14 +210,10 @@ void takeSourcesAsEmitted(SolverState& state) {
                             state.solid.emitted[c].brick(state.solid.surfaces.slots[b]));
 }
 
+/// Of all channels; 0 if none is above it.
 double largestValue(const openvdb::GridBase& grid) {
-    float largest = 0;
-    withTypedGrid(grid, [&](const auto& typed) {
-        forEachActive(typed, [&](const auto& value, const openvdb::CoordBBox&) {
-            for (int c = 0; c < 3; ++c) largest = std::max(largest, channel(value, c));
-        });
-    });
-    return double(largest);
+    const std::vector<float> largest = valueRange(grid).max;  // empty: no active voxel
+    return largest.empty() ? 0 : std::max(0.0, double(*std::max_element(largest.begin(), largest.end())));
 }
 
 /// About the largest power that any one voxel or ray will carry, W.
