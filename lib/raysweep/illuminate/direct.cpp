@@ -138,11 +138,10 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
     });
 }
 
-/// Power emitted in a voxel: of each unit the part p / (1 - albedo (1 - p)) leaves it, after any scatterings inside.
+/// The part of power emitted in a voxel that leaves it.
 double emittedThatLeaves(const SolverState& state, double tau, double albedo, bool surface) {
     if (surface || state.medium.exchange == ExchangeModel::paper) return 1;
-    const double p = state.medium.escape.fit().probability(tau);
-    return p / (1 - albedo * (1 - p));
+    return leavingShare(albedo, state.medium.escape.fit().probability(tau));
 }
 
 /// Sums over voxels that emit.

@@ -58,9 +58,10 @@ class Escape {
     EscapeFit fit_;
 };
 
-/// Effective albedo of a voxel: the closed sum of all scatterings inside it, albedo p / (1 - albedo (1 - p)).
-inline double effectiveAlbedo(double albedo, double p) {
-    return albedo * p / (1 - albedo * (1 - p));
+/// Of power emitted in a voxel, the part that leaves it, after any number of scatterings inside: their closed sum
+/// p / (1 - albedo (1 - p)). Times the albedo it is the effective albedo g.
+inline double leavingShare(double albedo, double p) {
+    return p / (1 - albedo * (1 - p));
 }
 
 }  // namespace raysweep

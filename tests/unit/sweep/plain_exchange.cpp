@@ -46,7 +46,8 @@ VoxelTerms termsOf(const PlainBeam& plain, PackedNormal normal, double tau, doub
     if (plain.model == ExchangeModel::paper) return {opacity, double(plain.zeta), albedo};
     const double p = plain.escape.probability(tau);
     const double ratio = along > 0 ? opacity / along : 1;
-    return {opacity, std::min(double(plain.mostShot), double(plain.zeta) * ratio / p), effectiveAlbedo(albedo, p)};
+    return {opacity, std::min(double(plain.mostShot), double(plain.zeta) * ratio / p),
+            albedo * leavingShare(albedo, p)};
 }
 
 /// The local furnace in doubles, by its definition in exchange.h.
