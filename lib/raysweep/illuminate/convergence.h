@@ -1,6 +1,7 @@
-/// Convergence (paper, section 2.2): how much the estimate of radiosity changes from one look to the next.
+/// Convergence (paper, section 2.2; docs/illumination.md, eq. L8): how much the estimate of radiosity changes from one
+/// look to the next.
 ///
-///     rms = sqrt( sum (S_n - S_(n-m))^2 / sum S_n^2 )    over all voxels and wavelengths, m sweeps apart
+///     rms = sqrt( sum (S_n - S_(n-m))^2 / sum S_n^2 )    over all voxels and wavelengths, m sweeps apart   (L8)
 ///
 /// The paper looks every delta i = 20 sweeps and stops at a tolerance delta.
 #pragma once

@@ -16,7 +16,8 @@ namespace raysweep {
 void prepareBackprojection(ViewRays& rays, int dimZ);
 
 /// Sums over all rays of `views` that meet a voxel, for the voxels of one block, in the block's order: the ray's weight
-/// for the voxel (eq. 1) times the ray's value to `values`, Aᵀ y, and times the ray's own weight to `weights`.
+/// for the voxel (joseph.h, eq. 1) times the ray's value to `values`, Aᵀ y, and times the ray's own weight to
+/// `weights`.
 void backprojectBlock(const ColumnVolume& layout, std::size_t block, const std::vector<ViewRays>& views, float* values,
                       float* weights);
 

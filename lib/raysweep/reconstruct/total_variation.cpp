@@ -41,7 +41,7 @@ void copyWithHalo(const ColumnVolume& volume, std::size_t block, HaloBlock& to) 
 /// Differences below this part of the largest value do not matter: keeps the length of a gradient away from 0.
 constexpr float kSmallest = 1e-4f;
 
-/// Derivative of the total variation (eq. 6) by each voxel of a block.
+/// Derivative of the total variation (docs/ct.md, eq. 6) by each voxel of a block.
 /// @param smooth square of a difference that does not matter
 void gradientOf(HaloBlock& f, HaloBlock& lengths, int count, float smooth, float* gradient) {
     lengths.length = f.length;

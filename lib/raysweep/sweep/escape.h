@@ -35,9 +35,9 @@ constexpr float kThickest = 1e6f;
 
 /// Step lengths of a voxel over all directions, and what follows from them.
 ///
-/// p(t) = < (1 - exp(-t l)) / (t l) >, the mean over directions of the probability that power emitted uniformly along a
-/// ray's stretch in the voxel leaves it without colliding; l = step length / mean step length, t = extinction * mean
-/// step length. A function of t alone for a given shape of voxel (physics: docs/illumination.md).
+/// p(t) = < (1 - exp(-t l)) / (t l) > (docs/illumination.md, eq. L3), the mean over directions of the probability that
+/// power emitted uniformly along a ray's stretch in the voxel leaves it without colliding; l = step length / mean step
+/// length, t = extinction * mean step length. A function of t alone for a given shape of voxel.
 class Escape {
   public:
     /// @param worldFromIndex linear part of the grid's transform
@@ -59,7 +59,7 @@ class Escape {
 };
 
 /// Of power emitted in a voxel, the part that leaves it, after any number of scatterings inside: their closed sum
-/// p / (1 - albedo (1 - p)). Times the albedo it is the effective albedo g.
+/// p / (1 - albedo (1 - p)). Times the albedo it is the effective albedo g (docs/illumination.md, eq. L4).
 inline double leavingShare(double albedo, double p) {
     return p / (1 - albedo * (1 - p));
 }

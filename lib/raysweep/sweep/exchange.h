@@ -1,6 +1,6 @@
 /// What rays and voxels exchange: Dachille, Mueller and Kaufman 2000, Algorithm 1, as corrected in
-/// docs/illumination.md. What a ray of equation 1 gathers on its way to the eye (render.h), a ray here leaves behind on
-/// its way from the light.
+/// docs/illumination.md, eq. L2. What a ray of the paper's equation 1 gathers on its way to the eye (render.h), a ray
+/// here leaves behind on its way from the light.
 ///
 /// Along a direction a ray of power e goes one step of length len, its stretch in a slice, through a voxel of
 /// extinction s and unshot power U:
@@ -12,8 +12,8 @@
 ///     D += in;   e += out - in                          the same
 ///     U += g in - out                                   U += albedo in - out
 ///
-/// with p the voxel's escape probability and g its effective albedo (escape.h). Nothing here can become negative, and
-/// what one side gains the other loses.
+/// with p the voxel's escape probability and g its effective albedo (escape.h, eq. L3 and L4). Nothing here can become
+/// negative, and what one side gains the other loses.
 ///
 /// A voxel with a surface of normal n takes from rays that arrive (omega.n < 0), all of alpha: slices already show it
 /// at its projected size. It shoots into those that leave, out = U min(1, 4 zeta) omega.n, a Lambert emitter, and does
