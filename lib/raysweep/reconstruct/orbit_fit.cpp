@@ -41,17 +41,17 @@ void planeOf(const Vec3& axis, Vec3& e1, Vec3& e2) {
     e2 = axis.cross(e1);
 }
 
-/// Solves the least squares problem rows . x = values by its normal equations. `ridge` pulls the last unknown to 0
-/// where the rows leave it open.
-Vec3 leastSquares(const std::vector<Vec3>& rows, const std::vector<double>& values, double ridge) {
+/// Solves equations . x = values for least squares, by the normal equations; `equations` holds their coefficients.
+/// `ridge` pulls the last unknown to 0 where they leave it open.
+Vec3 leastSquares(const std::vector<Vec3>& equations, const std::vector<double>& values, double ridge) {
     Matrix3 normal(0.0);
     Vec3 right(0);
-    for (std::size_t n = 0; n < rows.size(); ++n)
+    for (std::size_t n = 0; n < equations.size(); ++n)
         for (int a = 0; a < 3; ++a) {
-            for (int b = 0; b < 3; ++b) normal[a][b] += rows[n][a] * rows[n][b];
-            right[a] += rows[n][a] * values[n];
+            for (int b = 0; b < 3; ++b) normal[a][b] += equations[n][a] * equations[n][b];
+            right[a] += equations[n][a] * values[n];
         }
-    normal[2][2] += ridge * double(rows.size());
+    normal[2][2] += ridge * double(equations.size());
     return right * normal.inverse();  // symmetric: row and column vectors are alike
 }
 
@@ -72,14 +72,14 @@ OrbitFit fitSources(const ProjectionGeometry& geometry) {
     fit.axis = flattestDirection(sources);
     Vec3 e1, e2;
     planeOf(fit.axis, e1, e2);
-    std::vector<Vec3> rows;
+    std::vector<Vec3> equations;
     std::vector<double> values;
     for (const Vec3& s : sources) {
         const double x = s.dot(e1), y = s.dot(e2);
-        rows.emplace_back(2 * x, 2 * y, 1);
+        equations.emplace_back(2 * x, 2 * y, 1);
         values.push_back(x * x + y * y);
     }
-    const Vec3 solution = leastSquares(rows, values, 0);
+    const Vec3 solution = leastSquares(equations, values, 0);
     fit.center = mean + e1 * solution.x + e2 * solution.y;
     fit.radius = std::sqrt(solution.z + solution.x * solution.x + solution.y * solution.y);
     for (std::size_t n = 0; n < count; ++n) {
@@ -103,7 +103,7 @@ OrbitFit fitDirections(const ProjectionGeometry& geometry) {
     fit.axis = flattestDirection(directions);
     Vec3 e1, e2;
     planeOf(fit.axis, e1, e2);
-    std::vector<Vec3> rows;
+    std::vector<Vec3> equations;
     std::vector<double> values;
     double height = 0;
     for (std::size_t n = 0; n < directions.size(); ++n) {
@@ -113,11 +113,11 @@ OrbitFit fitDirections(const ProjectionGeometry& geometry) {
         fit.angles.push_back(angleIn(-directions[n], e1, e2));
         const Vec3 u = fit.axis.cross(directions[n]).normalized();
         const Vec3 middle = geometry.views[n].pixel(0.5 * (geometry.width - 1), 0.5 * (geometry.height - 1));
-        rows.emplace_back(u.dot(e1), u.dot(e2), 1);
+        equations.emplace_back(u.dot(e1), u.dot(e2), 1);
         values.push_back(middle.dot(u));
         height += middle.dot(fit.axis) / double(directions.size());
     }
-    const Vec3 solution = leastSquares(rows, values, 1e-9);
+    const Vec3 solution = leastSquares(equations, values, 1e-9);
     fit.center = e1 * solution.x + e2 * solution.y + fit.axis * height;
     return fit;
 }

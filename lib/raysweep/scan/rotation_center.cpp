@@ -28,7 +28,7 @@ namespace {
 constexpr int kMostRows = 32;
 constexpr std::size_t kMostPairs = 8;
 /// Steps between views that the last one may end before half a turn.
-constexpr double kMostSteps = 1.5;
+constexpr double kMostStepsShort = 1.5;
 /// Views this close together, in degrees, are taken together against noise.
 constexpr double kWindow = 1;
 /// Of the detector's width, that both views of a pair must see.
@@ -120,7 +120,7 @@ std::vector<Pair> opposites(const std::vector<double>& angles) {
     std::size_t starts = 0;
     while (starts < count && turn.angles[starts] + 180 <= within) ++starts;
     if (starts == 0) {
-        if (count < 3 || turn.angles[0] + 180 > last + kMostSteps * step) failArc(arc);
+        if (count < 3 || turn.angles[0] + 180 > last + kMostStepsShort * step) failArc(arc);
         starts = 1;
     }
     std::vector<Pair> pairs;

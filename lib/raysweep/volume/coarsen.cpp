@@ -42,12 +42,12 @@ double faceOf(int i, double resolution) {
     return std::abs(face - whole) <= 1e-12 * (1 + std::abs(face)) ? whole : face;
 }
 
-/// A row of fine voxels, seen from the coarse ones.
-struct Row {
+/// Fine voxels in a line, seen from the coarse ones.
+struct Span {
     int first, last;   ///< coarse voxels it overlaps
     double low, high;  ///< where its ends lie, in coarse voxels
 
-    Row(int from, int to, double resolution) : low(faceOf(from, resolution)), high(faceOf(to + 1, resolution)) {
+    Span(int from, int to, double resolution) : low(faceOf(from, resolution)), high(faceOf(to + 1, resolution)) {
         first = int(std::floor(low));
         last = std::max(first, int(std::ceil(high)) - 1);
     }
@@ -69,9 +69,9 @@ struct Meeting {
 CoordBBox leavesAt(const CoordBBox& box, double resolution) {
     CoordBBox leaves;
     for (int axis = 0; axis < 3; ++axis) {
-        const Row row(box.min()[axis], box.max()[axis], resolution);
-        leaves.min()[axis] = row.first & ~(kLeafEdge - 1);
-        leaves.max()[axis] = row.last & ~(kLeafEdge - 1);
+        const Span span(box.min()[axis], box.max()[axis], resolution);
+        leaves.min()[axis] = span.first & ~(kLeafEdge - 1);
+        leaves.max()[axis] = span.last & ~(kLeafEdge - 1);
     }
     return leaves;
 }
@@ -113,13 +113,14 @@ class LeafSums {
     void add(const Block<GridType>& block) {
         const Coord low = block.box.min(), high = block.box.max();
         if (block.tile)
-            return addBox(row(0, low.x(), high.x()), row(1, low.y(), high.y()), row(2, low.z(), high.z()), *block.tile);
-        std::vector<Row> rows;  // of each of the leaf's voxels, along x, then y, then z
+            return addBox(spanOf(0, low.x(), high.x()), spanOf(1, low.y(), high.y()), spanOf(2, low.z(), high.z()),
+                          *block.tile);
+        std::vector<Span> spans;  // of each of the leaf's voxels, along x, then y, then z
         for (int axis = 0; axis < 3; ++axis)
-            for (int i = low[axis]; i <= high[axis]; ++i) rows.push_back(row(axis, i, i));
+            for (int i = low[axis]; i <= high[axis]; ++i) spans.push_back(spanOf(axis, i, i));
         forEachActive(block, [&](const auto& value, const CoordBBox& box) {
             const Coord in = box.min() - low;
-            addBox(rows[in.x()], rows[kLeafEdge + in.y()], rows[2 * kLeafEdge + in.z()], value);
+            addBox(spans[in.x()], spans[kLeafEdge + in.y()], spans[2 * kLeafEdge + in.z()], value);
         });
     }
 
@@ -134,7 +135,7 @@ class LeafSums {
 
   private:
     /// Adds a box of fine voxels of one value.
-    void addBox(const Row& x, const Row& y, const Row& z, const typename GridType::ValueType& value) {
+    void addBox(const Span& x, const Span& y, const Span& z, const typename GridType::ValueType& value) {
         for (int i = x.first; i <= x.last; ++i)
             for (int j = y.first; j <= y.last; ++j)
                 for (int k = z.first; k <= z.last; ++k) {
@@ -145,11 +146,11 @@ class LeafSums {
     }
 
     /// Fine voxels along an axis, no further than this leaf reaches.
-    Row row(int axis, int from, int to) const {
-        Row row(from, to, resolution_);
-        row.first = std::max(row.first, origin_[axis]);
-        row.last = std::min(row.last, origin_[axis] + kLeafEdge - 1);
-        return row;
+    Span spanOf(int axis, int from, int to) const {
+        Span span(from, to, resolution_);
+        span.first = std::max(span.first, origin_[axis]);
+        span.last = std::min(span.last, origin_[axis] + kLeafEdge - 1);
+        return span;
     }
 
     Coord origin_;
@@ -163,8 +164,8 @@ template <class GridType>
 bool isInTile(const Meeting& meeting, const Block<GridType>& block, double resolution) {
     if (!block.tile) return false;
     for (int axis = 0; axis < 3; ++axis) {
-        const Row row(block.box.min()[axis], block.box.max()[axis], resolution);
-        if (row.low > meeting.leaf[axis] || row.high < meeting.leaf[axis] + kLeafEdge) return false;
+        const Span span(block.box.min()[axis], block.box.max()[axis], resolution);
+        if (span.low > meeting.leaf[axis] || span.high < meeting.leaf[axis] + kLeafEdge) return false;
     }
     return true;
 }
