@@ -13,7 +13,7 @@
 #include <limits>
 
 #include "support/temporary_folder.h"
-#include "unit/reconstruct/ct_fixture.h"
+#include "unit/scan/ct_fixture.h"
 #include "unit/scan/hdf5_file.h"
 
 using namespace raysweep;
