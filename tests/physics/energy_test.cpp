@@ -9,6 +9,7 @@
 
 #include "raysweep/illuminate/illuminate.h"
 #include "support/volumes.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
@@ -82,7 +83,7 @@ TEST(Energy, IsConservedForEveryLightAndMethod) {
                         options.remaining = remaining;
                         const Illumination lit = illuminate(scene, options);
                         const double error = lit.power.error();
-                        worst = std::max(worst, error);
+                        raiseTo(worst, error);
                         EXPECT_LE(error, kBalance)
                             << "light " << int(light) << " coloured " << coloured << " exchange " << int(exchange)
                             << " interpolation " << int(interpolation) << " remaining " << int(remaining);
@@ -261,8 +262,8 @@ double worstOfAnswer(const Medium& medium, const Illumination& lit) {
     double worst = lit.power.error();
     for (int c = 0; c < lit.plan.channels; ++c) {
         const double absorbed = absorbedByAnswer(medium, *lit.radiosity, c), injected = lit.power.injected[c];
-        worst = std::max(worst, std::abs(absorbed - lit.power.absorbed[c]) / injected);
-        worst = std::max(worst, std::abs(injected - lit.power.escaped[c] - lit.power.unshot[c] - absorbed) / injected);
+        raiseTo(worst, std::abs(absorbed - lit.power.absorbed[c]) / injected);
+        raiseTo(worst, std::abs(injected - lit.power.escaped[c] - lit.power.unshot[c] - absorbed) / injected);
     }
     return worst;
 }
@@ -283,7 +284,7 @@ TEST(Energy, TheAnswerAbsorbsWhatIsBooked) {
             double worst = 0;
             for (const int sweeps : {4, 24, 64}) {
                 options.sweeps = sweeps;
-                worst = std::max(worst, worstOfAnswer(c.scene.medium, illuminate(c.scene, options)));
+                raiseTo(worst, worstOfAnswer(c.scene.medium, illuminate(c.scene, options)));
             }
             std::printf("  %-55s %s start: %.1e\n", c.name.c_str(), dark ? "dark  " : "coarse", worst);
             EXPECT_LE(worst, kRounding) << c.name;
