@@ -16,9 +16,6 @@ using namespace raysweep::test;
 
 namespace {
 
-// Fields are floats; sums over voxels and sweeps are doubles. The promise to users.
-constexpr double kBalance = 1e-5;
-
 enum class Light { sun, pointInside, pointOutside, sky, emission, all };
 constexpr Light kLights[] = {Light::sun, Light::pointInside, Light::pointOutside,
                              Light::sky, Light::emission,    Light::all};
@@ -67,6 +64,8 @@ void expectNoNegative(const openvdb::GridBase& grid) {
 
 }  // namespace
 
+// Fields are floats; sums over voxels and sweeps are doubles. Users are promised 1e-5; limits are 10 % above what is
+// found: 2.34e-8 at most of all that follow, 4.9e-10 at most after any number of sweeps, 2.14e-9 without scattering.
 TEST(Energy, IsConservedForEveryLightAndMethod) {
     IlluminateOptions options;
     options.tolerance = 0;
@@ -84,7 +83,7 @@ TEST(Energy, IsConservedForEveryLightAndMethod) {
                         const Illumination lit = illuminate(scene, options);
                         const double error = lit.power.error();
                         raiseTo(worst, error);
-                        EXPECT_LE(error, kBalance)
+                        EXPECT_LE(error, 2.57e-8)
                             << "light " << int(light) << " coloured " << coloured << " exchange " << int(exchange)
                             << " interpolation " << int(interpolation) << " remaining " << int(remaining);
                         EXPECT_GT(lit.power.injected[0], 0);
@@ -101,7 +100,7 @@ TEST(Energy, IsConservedAtEveryStage) {
         options.tolerance = 0;
         options.sweeps = sweeps;
         options.remaining = Remaining::drop;
-        EXPECT_LE(illuminate(litScene(Light::all, false), options).power.error(), kBalance) << sweeps << " sweeps";
+        EXPECT_LE(illuminate(litScene(Light::all, false), options).power.error(), 5.3e-10) << sweeps << " sweeps";
     }
 }
 
@@ -110,7 +109,7 @@ TEST(Energy, IsConservedWithoutScattering) {
         Scene scene = litScene(light, false);
         scene.medium.albedo = grey(0);
         const Illumination lit = illuminate(scene);
-        EXPECT_LE(lit.power.error(), kBalance) << "light " << int(light);
+        EXPECT_LE(lit.power.error(), 2.34e-9) << "light " << int(light);
         EXPECT_EQ(lit.sweeps, 0);
     }
 }
