@@ -22,8 +22,8 @@ openvdb::FloatGrid::Ptr cloudVolume(int edge);
 /// A ball of voxels of random density, spread evenly over the decades from `low` to `high`.
 openvdb::FloatGrid::Ptr noiseBall(int radius, double low, double high);
 
-/// A file of the shared test data, or nothing if it is not on this machine: looked for in the folder named by the
-/// environment variable RAYSWEEP_DATA and in `shared/data` beside the source tree.
+/// A file of the shared test data, or nothing if it is not on this machine: looked for in the folder that the
+/// environment variable RAYSWEEP_DATA names, or, if it is not set or empty, in `shared/data` beside the source tree.
 std::string findData(const std::string& name);
 
 /// The volume turned by a quarter about `axis`: voxel v of the result is voxel quarterTurnBack(v) of `grid`.
