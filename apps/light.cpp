@@ -261,7 +261,7 @@ void addLight(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LightArguments>();
     addLightOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
-        completeOptions(*arguments);
+        completeOptions(*arguments, *command);
         arguments->commandLine = optionsText(*command, *arguments);
         exitCode = run(*arguments);
     });

@@ -261,14 +261,14 @@ refused 2 "projections is required" $out --parallel
 refused 2 "--method" p.mha $out --parallel --method art
 refused 2 "whole numbers from 1" p.mha $out --parallel --size 0,0,0
 refused 2 "whole numbers from 1" p.mha $out --parallel --size 99999,1,1
-refused 2 "--spacing: must be positive" p.mha $out --parallel --spacing 0
-refused 2 "iterations 0" p.mha $out --parallel --iterations 0
-refused 2 "relaxation 2.5" p.mha $out --parallel --relaxation 2.5
+refused 2 "--spacing 0: must be positive" p.mha $out --parallel --spacing 0
+refused 2 "--iterations 0: must be at least 1" p.mha $out --parallel --iterations 0
+refused 2 "--relaxation 2.5: must be" p.mha $out --parallel --relaxation 2.5
 refused 2 "--subset: is for os-sart" p.mha $out --parallel --subset 3
 refused 2 "--iterations: is for iterative methods" p.mha $out --parallel --method fbp --iterations 3
 refused 2 "'fpb' must be a .vdb file, or fbp" p.mha $out --parallel --initial fpb
-refused 2 "--dark: needs --flat" counts.mha $out --parallel --dark dark.mha
-refused 2 "--rows: is for HDF5" p.mha $out --parallel --rows 0,1
+refused 2 "--dark: needs flat as well" counts.mha $out --parallel --dark dark.mha
+refused 2 "--rows: only of HDF5 files" p.mha $out --parallel --rows 0,1
 refused 2 "auto is for parallel beams" c.mha $out --cone 120,180 --axis-column auto
 refused 2 "must end in .png or .exr" p.mha $out --parallel --slices a.jpg
 printf 'bogus = 1\n' >bogus.toml
