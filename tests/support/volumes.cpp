@@ -42,6 +42,12 @@ openvdb::FloatGrid::Ptr boxVolume(const Index3& size, float density) {
     return grid;
 }
 
+openvdb::FloatGrid::Ptr namedBox(const std::string& name, float value) {
+    const openvdb::FloatGrid::Ptr grid = boxVolume(Index3(4), value);
+    grid->setName(name);
+    return grid;
+}
+
 openvdb::FloatGrid::Ptr ballVolume(int edge) {
     auto grid = openvdb::FloatGrid::create();
     auto accessor = grid->getAccessor();

@@ -13,6 +13,9 @@ namespace raysweep::test {
 /// Voxels [0, size) of constant density.
 openvdb::FloatGrid::Ptr boxVolume(const Index3& size, float density = 1);
 
+/// 4^3 voxels of `value`, as a grid of that name.
+openvdb::FloatGrid::Ptr namedBox(const std::string& name, float value);
+
 /// A ball of density 1 that touches the faces of the voxels [0, edge)^3; a voxel is full if its centre is inside.
 openvdb::FloatGrid::Ptr ballVolume(int edge);
 
