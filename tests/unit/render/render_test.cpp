@@ -2,6 +2,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/render/occupancy.h"
+#include "support/other_grid.h"
 #include "support/worst.h"
 
 #include <gtest/gtest.h>
@@ -508,7 +509,7 @@ TEST(Render, RefusesWhatItCannotRender) {
     EXPECT_THROW(render(input(density, 1, nullptr), Camera()), InvalidArgument);
     EXPECT_THROW(render(input(density, -1), Camera()), InvalidArgument);
     EXPECT_THROW(render(input(density, std::nan("")), Camera()), InvalidArgument);
-    EXPECT_THROW(render(input(density, 1, openvdb::Int32Grid::create(1)), Camera()), InvalidArgument);
+    EXPECT_THROW(render(input(density, 1, test::otherGrid<openvdb::Int32Grid>()), Camera()), InvalidArgument);
     FloatGrid::Ptr frustum = density->deepCopy();
     frustum->setTransform(openvdb::math::Transform::createFrustumTransform(
         openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(10)), 0.5, 10));
