@@ -1,10 +1,9 @@
 #include "ct_options.h"
+#include "hints.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
 #include "raysweep/image/image_io.h"
 
-#include <cmath>
 #include <map>
 
 namespace raysweep::apps {
@@ -53,7 +52,7 @@ void addInputOptions(CLI::App& app, CtArguments& a) {
     app.add_option("--rows", a.rows,
                    "HDF5: these detector rows only, first to last; --center-row counts from the first of them")
         ->type_name("R0,R1");
-    app.add_option("--scale", a.scale, "Factor on line integrals")->type_name("X");
+    app.add_option("--scale", a.scan.scale, "Factor on line integrals")->type_name("X");
     app.add_option("--saturation", a.scan.saturation, "Line integrals at or above it say only: at least as much");
     app.add_flag("--dead-pixels", a.scan.findDeadPixels, "Look for pixels that do not measure, and leave them out");
     app.add_option("--ring-filter", a.scan.ringWindow,
@@ -107,27 +106,7 @@ void addMethodOptions(CLI::App& app, CtArguments& a) {
         ->capture_default_str();
 }
 
-void requirePositive(const std::optional<double>& value, const char* option) {
-    if (value && !(*value > 0 && std::isfinite(*value))) usageError(option, "must be positive and finite");
-}
-
-/// Files that go together.
-void requireFittingFiles(const CtArguments& a) {
-    const ScanOptions& scan = a.scan;
-    const bool hdf5 = isHdf5(scan.projections.front());
-    if (hdf5 && scan.projections.size() > 1) usageError("PROJ", "give one HDF5 file");
-    if (hdf5 && (!scan.flat.empty() || !scan.dark.empty()))
-        usageError("--flat", "HDF5 files hold their own flat and dark frames");
-    if (!hdf5 && !a.rows.empty()) usageError("--rows", "is for HDF5 files");
-    if (!scan.dark.empty() && scan.flat.empty()) usageError("--dark", "needs --flat as well");
-    if (!a.rows.empty() && !a.geometry.cone.empty() && !a.geometry.options.centerRow)
-        usageError("--rows", "with --cone needs --center-row, counted from the first of these rows");
-}
-
 void completeScan(CtArguments& a) {
-    requireFittingFiles(a);
-    requirePositive(a.scale, "--scale");
-    requirePositive(a.scan.saturation, "--saturation");
     if (isHdf5(a.scan.projections.front()) && a.geometry.options.file.empty() && a.geometry.cone.empty())
         a.geometry.parallel = true;
     if (a.axisColumn == kAuto) {
@@ -141,7 +120,6 @@ void completeScan(CtArguments& a) {
         const std::vector<int> ends = parseWhole(a.rows, "--rows", 2, 0, 1 << 20, "100,199");
         a.scan.rows = RowRange{ends[0], ends[1]};
     }
-    a.scan.scale = a.scale.value_or(1);
     a.scan.geometry = a.geometry.options;
 }
 
@@ -218,16 +196,13 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
         usageError("--initial", "'" + a.initial + "' must be a .vdb file, or " + kFiltered);
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
         usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
-    requirePositive(a.reconstruct.grid.spacing, "--spacing");
     completeScan(a);
     requireFittingOptions(a, command);
     completeReconstruction(a);
-    try {
+    requireValid(command, [&] {
         a.scan.validate();
         a.reconstruct.validate();
-    } catch (const InvalidArgument& e) {
-        usageError("ct", e.what());
-    }
+    });
 }
 
 }  // namespace raysweep::apps

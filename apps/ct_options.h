@@ -6,7 +6,6 @@
 #include "raysweep/reconstruct/reconstruct.h"
 #include "raysweep/scan/scan.h"
 
-#include <optional>
 #include <string>
 
 namespace raysweep::apps {
@@ -18,7 +17,6 @@ struct CtArguments {
     ReconstructOptions reconstruct;
     ScanArguments geometry;
     std::string axisColumn, rows;
-    std::optional<double> scale;
     std::string output, method = "sart", order = "golden", support = "auto", window = "ram-lak";
     std::string size, center, initial, reference, plot, slices;
     bool nonNegative = false, half = false;

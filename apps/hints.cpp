@@ -1,5 +1,7 @@
 #include "hints.h"
 
+#include <cctype>
+
 namespace raysweep::apps {
 namespace {
 
@@ -39,6 +41,16 @@ std::string filledIn(std::string text, const std::string& file) {
     return at == std::string::npos ? text : text.replace(at, 4, file);
 }
 
+/// "emissionScale" is typed as "--emission-scale".
+std::string optionFor(const std::string& field) {
+    std::string option = "--";
+    for (const char c : field) {
+        if (std::isupper(static_cast<unsigned char>(c))) option += '-';
+        option += char(std::tolower(static_cast<unsigned char>(c)));
+    }
+    return option;
+}
+
 }  // namespace
 
 std::string inWordsOf(const CLI::App& command, const Error& error) {
@@ -49,6 +61,18 @@ std::string inWordsOf(const CLI::App& command, const Error& error) {
     const std::string option = "--" + error.subject;
     const bool isField = !error.subject.empty() && command.get_option_no_throw(option);
     return isField && text.rfind(error.subject + ": ", 0) == 0 ? "--" + text : text;
+}
+
+void requireValid(const CLI::App& command, const std::function<void()>& validate) {
+    try {
+        validate();
+    } catch (const InvalidArgument& e) {
+        std::string text = e.what();
+        const std::string field = text.substr(0, text.find_first_of(" :["));  // messages begin with it
+        const std::string option = optionFor(field);
+        if (command.get_option_no_throw(option)) text.replace(0, field.size(), option);
+        throw CLI::ValidationError(text);
+    }
 }
 
 }  // namespace raysweep::apps

@@ -61,6 +61,12 @@ std::vector<std::string> reasonsOf(const SceneFromFile& scene, const Plan& plan)
     return reasons;
 }
 
+void addSkySuns(nlohmann::ordered_json& json, const SceneOrigin& origin) {
+    if (!origin.skySuns) return;
+    json["sky_suns"] = origin.skySuns->count;
+    json["sky_suns_share"] = origin.skySuns->share;
+}
+
 nlohmann::ordered_json describe(const LightArguments& a, const SceneFromFile& scene, const Illumination& lit,
                                 double readSeconds, double writeSeconds) {
     const int channels = lit.plan.channels, sweeps = lit.sweeps + lit.finishingSweeps;
@@ -88,10 +94,7 @@ nlohmann::ordered_json describe(const LightArguments& a, const SceneFromFile& sc
         {"voxels_surface", lit.surfaceVoxels},
         {"resolution", a.resolution},
         {"options", a.commandLine}};
-    if (const auto& skySuns = scene.origin.skySuns) {
-        json["sky_suns"] = skySuns->count;
-        json["sky_suns_share"] = skySuns->share;
-    }
+    addSkySuns(json, scene.origin);
     json["timings"] = {{"read", readSeconds},    {"prepare", spent.prepare}, {"direct", spent.direct},
                        {"coarse", spent.coarse}, {"sweeps", spent.sweeps},   {"finish", spent.finish},
                        {"output", spent.output}, {"write", writeSeconds}};
@@ -202,6 +205,21 @@ void plotHistory(const LightArguments& a, const std::vector<ConvergencePoint>& h
     plotCurves(a.plot, {"sweeps", "relative to the answer"}, {rms, unshot, limit});
 }
 
+/// Says what will be modelled and why, and puts it in a report if one is wanted.
+void explain(const LightArguments& a, const SceneFromFile& scene) {
+    scene.scene.validate();
+    const Scene solved = atResolution(scene.scene, a.resolution);
+    const Plan plan = withResolution(planIllumination(solved, a.options), a, scene.scene, solved);
+    const std::vector<std::string> reasons = reasonsOf(scene, plan);
+    for (const std::string& reason : reasons) std::cout << reason << "\n";
+    nlohmann::ordered_json json = {{"voxels_active", solved.medium.density->activeVoxelCount()},
+                                   {"plan", reasons},
+                                   {"resolution", a.resolution},
+                                   {"options", a.commandLine}};
+    addSkySuns(json, scene.origin);
+    writeReport(a.common, json);
+}
+
 int run(LightArguments& a) {
     const ThreadLimit limit = start(a.common);
     if (!a.explain) requireWritable(a.output);
@@ -214,10 +232,7 @@ int run(LightArguments& a) {
     commentOnInput(a, scene.origin, file);
     const double readSeconds = timer.seconds();
     if (a.explain) {
-        scene.scene.validate();
-        const Scene solved = atResolution(scene.scene, a.resolution);
-        const Plan plan = withResolution(planIllumination(solved, a.options), a, scene.scene, solved);
-        for (const std::string& reason : reasonsOf(scene, plan)) std::cout << reason << "\n";
+        explain(a, scene);
         return kDone;
     }
     if (a.snapshots > 0) {
@@ -246,7 +261,7 @@ void addLight(CLI::App& app, int& exitCode) {
     const auto arguments = std::make_shared<LightArguments>();
     addLightOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
-        completeOptions(*arguments);
+        completeOptions(*arguments, *command);
         arguments->commandLine = optionsText(*command, *arguments);
         exitCode = run(*arguments);
     });

@@ -1,6 +1,5 @@
 #include "light_options.h"
-
-#include "raysweep/core/error.h"
+#include "hints.h"
 
 #include <algorithm>
 #include <map>
@@ -231,12 +230,6 @@ std::vector<QuadLight> parseQuads(const LightArguments& a) {
     return quads;
 }
 
-Color parseAlbedo(const std::string& text) {
-    const Color albedo = parseColor(text, "--albedo");
-    if (maxComponent(albedo) > 1) usageError("--albedo", "'" + text + "': an albedo is in [0,1]");
-    return albedo;
-}
-
 }  // namespace
 
 void addLightOptions(CLI::App& app, LightArguments& a) {
@@ -252,35 +245,31 @@ void addLightOptions(CLI::App& app, LightArguments& a) {
     app.footer("Example:\n  raysweep light smoke.vdb -o lit.vdb --extinction 0.12 --sun 0.3,-1,0.2,3 --sky 0.3\n");
 }
 
-void completeOptions(LightArguments& a) {
+void completeOptions(LightArguments& a, const CLI::App& command) {
     if (!a.explain || !a.output.empty()) requireFileOutput(a.output);
     IlluminateOptions& o = a.options;
     if (!a.quality.empty()) o.tolerance = kQualities.at(a.quality);
     if (a.tolerance) o.tolerance = *a.tolerance;
     o.seed = a.common.seed;
-    try {
-        o.validate();
-    } catch (const InvalidArgument& e) {
-        usageError("options", e.what());
-    }
     if (!(a.resolution > 0 && a.resolution <= 1)) usageError("--resolution", "must be above 0 and at most 1");
     MediumOptions& medium = a.scene.medium;
-    if (medium.extinction) requireFactor(*medium.extinction, "--extinction");
-    requireFactor(medium.emissionScale, "--emission-scale");
     if (a.upsample && a.resolution == 1) usageError("--upsample", "is for --resolution below 1 only");
     a.scene.sky = parseSky(a.sky);
     parseRamp(a.transfer);
     if (namesGrid(a.albedo))
         medium.albedoGrid = gridName(a.albedo, "--albedo");
     else if (!a.albedo.empty())
-        medium.albedo = parseAlbedo(a.albedo);
+        medium.albedo = parseColor(a.albedo, "--albedo");
     if (medium.albedo && !isGrey(*medium.albedo) && medium.g != 0)
         usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
-    if (!(medium.g > -1 && medium.g < 1)) usageError("--g", "must be above -1 and below 1");
     if (!a.emission.empty()) medium.emission = gridName(a.emission, "--emission");
     a.scene.suns = parseSuns(a);
     a.scene.points = parsePoints(a);
     a.scene.quads = parseQuads(a);
+    requireValid(command, [&] {
+        o.validate();
+        a.scene.validate();
+    });
 }
 
 }  // namespace raysweep::apps

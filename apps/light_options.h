@@ -35,6 +35,6 @@ void addLightOptions(CLI::App& app, LightArguments& arguments);
 
 /// Checks what can be checked without the input, and fills in what follows from other options.
 /// @throw CLI::ValidationError for values that cannot be understood
-void completeOptions(LightArguments& arguments);
+void completeOptions(LightArguments& arguments, const CLI::App& command);
 
 }  // namespace raysweep::apps

@@ -1,8 +1,8 @@
 /// raysweep render: a picture, or a turntable of pictures, of a lit volume.
 #include "cli.h"
+#include "hints.h"
 #include "render_source.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
@@ -153,24 +153,22 @@ nlohmann::ordered_json describe(const Arguments& a, const RenderInput& input, co
 }
 
 /// Everything that can be said to be wrong before a file is read.
-Camera requireArguments(Arguments& a) {
+Camera requireArguments(Arguments& a, const CLI::App& command) {
     a.options.background = parseColor(a.background, "--background");
     const Camera lens = lensFrom(a);
-    try {
+    requireValid(command, [&] {
         a.options.validate();
         framed(lens, Box3(Vec3(-1), Vec3(1)));
-    } catch (const InvalidArgument& e) {
-        usageError("render", e.what());
-    }
-    requireRenderSource(a.source);
+    });
+    requireRenderSource(a.source, command);
     if (!std::isfinite(a.exposure)) usageError("--exposure", "must be finite");
     requireOutputs(a);
     return lens;
 }
 
-int run(Arguments& a) {
+int run(Arguments& a, const CLI::App& command) {
     const ThreadLimit limit = start(a.common);
-    const Camera lens = requireArguments(a);
+    const Camera lens = requireArguments(a, command);
     const RenderInput input = renderInput(a.source);
     const Camera camera = place(lens, a, *input.density);
 
@@ -210,7 +208,7 @@ void addRender(CLI::App& app, int& exitCode) {
     CLI::App* command = app.add_subcommand("render", "Make a picture of a lit volume");
     const auto arguments = std::make_shared<Arguments>();
     addOptions(*command, *arguments);
-    command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+    command->callback([arguments, command, &exitCode] { exitCode = run(*arguments, *command); });
 }
 
 }  // namespace raysweep::apps

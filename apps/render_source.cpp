@@ -1,8 +1,19 @@
 #include "render_source.h"
 
 #include "cli.h"
+#include "hints.h"
 
 namespace raysweep::apps {
+namespace {
+
+LitVolumeOptions withoutTransfer(const RenderSource& a) {
+    LitVolumeOptions options{a.density, a.extinction, {}, {}};
+    if (!a.unshot.empty()) options.unshot = parseColor(a.unshot, "--unshot");
+    return options;
+}
+
+}  // namespace
+
 void addRenderSource(CLI::App& app, RenderSource& a) {
     app.option_defaults()->group("Volume");
     app.add_option("--density", a.density, "Density grid (default: the one that was lit)")->type_name("NAME");
@@ -13,17 +24,15 @@ void addRenderSource(CLI::App& app, RenderSource& a) {
         ->type_name("R,G,B");
 }
 
-void requireRenderSource(const RenderSource& a) {
-    if (a.extinction) requireFactor(*a.extinction, "--extinction");
-    if (!a.unshot.empty()) parseColor(a.unshot, "--unshot");
+void requireRenderSource(const RenderSource& a, const CLI::App& command) {
+    requireValid(command, [&] { withoutTransfer(a).validate(); });
     parseRamp(a.transfer);
 }
 
 RenderInput renderInput(const RenderSource& a) {
     const VdbFile file = readVdb(a.input);
-    LitVolumeOptions options{a.density, a.extinction, {}, {}};
+    LitVolumeOptions options = withoutTransfer(a);
     if (const auto transfer = readTransfer(a.transfer)) options.transfer = transfer->function;
-    if (!a.unshot.empty()) options.unshot = parseColor(a.unshot, "--unshot");
     return litVolume(file, options);
 }
 

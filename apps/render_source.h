@@ -20,7 +20,7 @@ struct RenderSource {
 void addRenderSource(CLI::App& app, RenderSource& source);
 
 /// Checks what can be checked without the file. @throw CLI::ValidationError
-void requireRenderSource(const RenderSource& source);
+void requireRenderSource(const RenderSource& source, const CLI::App& command);
 
 /// Reads the file and finds the grids; what the user leaves open is as it was when the file was lit.
 /// @throw IoError, InvalidArgument

@@ -62,6 +62,14 @@ parse() {
     done
 }
 
+# A checkout without git may be passed over. One that git refuses to read (as somebody else's) may not: CI would check nothing.
+require_git() {
+    local reason
+    reason=$(in_git rev-parse HEAD 2>&1 >/dev/null) && return
+    [ ! -e "$checkout/.git" ] || { echo "check_bare.sh: $reason" >&2 && exit 1; }
+    give_up "needs a checkout made by git"
+}
+
 # In a shallow clone the oldest commit counts as having changed every file: what is unknown is checked.
 skip_if_unchanged() {
     local changed
@@ -146,8 +154,7 @@ enter() {
     fi
     if [ -n "$ccache" ]; then
         mount --bind "$ccache" "$root/ccache"
-        environment+=(CCACHE_DIR=/ccache CCACHE_BASEDIR=$here)
-        environment+=(CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime)
+        environment+=(CCACHE_DIR=/ccache) # the rest is said by scripts/ccache.sh, for all that build
     fi
     for name in http_proxy https_proxy no_proxy; do
         [ -z "${!name:-}" ] || environment+=("$name=${!name}")
@@ -196,7 +203,7 @@ copy_pictures() {
 
 main() {
     parse "$@"
-    in_git rev-parse HEAD >/dev/null 2>&1 || give_up "needs a checkout made by git"
+    require_git
     [ -z "$if_changed" ] || skip_if_unchanged
     become_root
     require_tools

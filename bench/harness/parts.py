@@ -105,7 +105,7 @@ def large(context):
 
 def light(context):
     """What `raysweep light` spends its time on, from its reports, and the time of the whole command."""
-    data = Path(os.environ.get("RAYSWEEP_DATA", context.root.parent / "shared" / "data"))
+    data = Path(os.environ.get("RAYSWEEP_DATA") or context.root.parent / "shared" / "data")
     smoke = data / "vdb" / "smoke.vdb"
     if not smoke.exists():
         print(f"skipped: {smoke} is not here")

@@ -4,6 +4,7 @@ set -u
 raysweep=$1
 work=$2
 make_volume=${3:-}
+# Real data: see findData in tests/support/volumes.h.
 data=${RAYSWEEP_DATA:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/../shared/data}
 failures=0
 
@@ -36,6 +37,17 @@ expect_no_leftovers() {
     local found
     found=$(find "$1" -name '.*.part*')
     [ -z "$found" ] || fail "left behind: $found"
+}
+
+# has_itk: this build has ITK, which reads NRRD and writes MetaImage. need_itk: without it the test ends here, as skipped.
+has_itk() {
+    echo NRRD0004 >"$work/.itk.nrrd"
+    ! "$raysweep" import "$work/.itk.nrrd" -o "$work/.itk.vdb" 2>&1 | grep -q "has no ITK"
+}
+need_itk() {
+    has_itk && return
+    echo "skipped: this build has no ITK"
+    exit 77
 }
 
 # json FILE EXPRESSION: evaluates EXPRESSION with r = the document; for checks of numbers.

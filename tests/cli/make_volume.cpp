@@ -1,10 +1,11 @@
 /// make_volume KIND OUT.vdb: volumes for the tests of the command line that `raysweep generate` does not make, most of
 /// them with something wrong. Where nothing else is said: a box of 12x10x8 voxels of 0.1 units with density 1.
+#include "../support/other_grid.h"
 #include "raysweep/phantoms/phantom.h"
 #include "raysweep/volume/grids.h"
 #include "raysweep/volume/vdb_io.h"
 
-#include <openvdb/points/PointConversion.h>
+#include <openvdb/points/PointDataGrid.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include <array>
@@ -58,11 +59,23 @@ Grids levelSet() {
     return {grid};
 }
 
+/// Two points, in the middle of the first voxel.
 Grids points() {
-    const std::vector<Vec3s> positions{Vec3s(0), Vec3s(1)};
-    const auto grid = openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
-        positions, *Transform::createLinearTransform(kSize[0]));
+    const auto grid = raysweep::test::otherGrid<openvdb::points::PointDataGrid>();
     grid->setName("density");
+    grid->setTransform(density()->transformPtr());
+    auto* const leaf = grid->tree().touchLeaf(Coord(0));
+    leaf->initializeAttributes(openvdb::points::AttributeSet::Descriptor::create({"vec3s", "null"}), 2);
+    leaf->setOffsets(std::vector<openvdb::PointDataIndex32>(leaf->NUM_VALUES, 2));
+    return {grid};
+}
+
+Grids noFloat() {
+    const auto grid = raysweep::test::otherGrid<openvdb::Int32Grid>();
+    grid->setName("ids");
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    grid->setTransform(density()->transformPtr());
+    for (auto at = kBox.begin(); at; ++at) grid->tree().setValueOn(*at, 3);
     return {grid};
 }
 
@@ -112,7 +125,7 @@ const std::map<std::string, std::function<Grids()>> kMakers = {
     {"empty", [] { return Grids{FloatGrid::create()}; }},
     {"empty-leaves", emptyLeaves},
     {"tile", tile},
-    {"no-float", [] { return Grids{filled<openvdb::Int32Grid>("ids", 3)}; }},
+    {"no-float", noFloat},
     {"no-grid", [] { return Grids{}; }},
     {"two-floats",
      [] {

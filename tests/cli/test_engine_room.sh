@@ -52,7 +52,8 @@ describe around.vdb
 expect_json info.json "r['grids'][0]['max'] == [1]"
 
 engine=$data/volumes/engine.nrrd
-if [ -f "$engine" ] && "$raysweep" import "$engine" -o engine.vdb 2>.err; then
+if [ -f "$engine" ] && has_itk; then
+    expect_exit 0 "$raysweep" import "$engine" -o engine.vdb
     expect_exit 0 $room --volume engine.vdb -o room.vdb --report room.json
     expect_json room.json "r['dims'] == [276, 276, 130]"
     expect_exit 0 $room --volume engine.vdb -o room.vdb --size 148 --report room.json

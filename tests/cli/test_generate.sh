@@ -31,9 +31,13 @@ expect_exit 0 "$raysweep" generate box-with-holes -o holes.vdb --dims 48,40,24 -
 expect_json report.json "0.7 * 30 * 25 * 15 < r['voxels_active'] < 30 * 26 * 16"
 expect_exit 2 "$raysweep" generate shepp-logan -o a.vdb --dims 48,40,24
 expect_match "--dims"
-expect_exit 0 "$raysweep" generate shepp-logan -o head.vdb --size 32 --projections exact.mha --parallel --views 20 --detector 48,40,0.0625
-expect_exit 0 "$raysweep" ct exact.mha -o head_ct.vdb --parallel --reference head.vdb --report report.json
-expect_json report.json "r['rms_history'][-1] < 0.12"
+if has_itk; then
+    expect_exit 0 "$raysweep" generate shepp-logan -o head.vdb --size 32 --projections exact.mha --parallel --views 20 --detector 48,40,0.0625
+    expect_exit 0 "$raysweep" ct exact.mha -o head_ct.vdb --parallel --reference head.vdb --report report.json
+    expect_json report.json "r['rms_history'][-1] < 0.12"
+else
+    echo "skipped: exact projections, this build has no ITK"
+fi
 expect_exit 2 "$raysweep" generate cloud -o a.vdb --projections exact.mha --parallel --views 20 --detector 48,40,0.0625
 expect_exit 2 "$raysweep" generate shepp-logan -o a.vdb --parallel
 expect_match "--projections"

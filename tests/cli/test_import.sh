@@ -66,7 +66,8 @@ expect_exit 0 "$raysweep" import nan.raw --dims 2,2,2 --type float -o repaired.v
 expect_json nan.json "r['voxels_repaired'] == 1 and r['voxels_active'] == 7"
 
 # Formats that need ITK.
-if "$raysweep" import a.nrrd -o nrrd.vdb --report nrrd.json 2>.err; then
+if has_itk; then
+    expect_exit 0 "$raysweep" import a.nrrd -o nrrd.vdb --report nrrd.json
     expect_json nrrd.json "r['format'] == 'NRRD' and r['dims'] == [4, 4, 5] and r['spacing'] == [1, 2, 3]"
     expect_exit 0 "$raysweep" $raw -o a.vdb --spacing 1,2,3
     expect_exit 0 "$raysweep" compare nrrd.vdb a.vdb --max-rms 0
@@ -91,6 +92,7 @@ print(sum(1 for s in samples if s), max(samples))" "$engine" >engine.txt
         echo "engine.nrrd is not on this machine: not tested with it"
     fi
 else
+    expect_exit 1 "$raysweep" import a.nrrd -o nrrd.vdb
     expect_match "has no ITK"
     echo "this build has no ITK: its formats are not tested"
 fi

@@ -136,6 +136,9 @@ expect_json info.json "$grids['radiosity']['max'][0] == 65504"
 expect_exit 0 "$raysweep" light cloud.vdb --sun 0,0,-1,3 --sky 1,1,0.5 --explain
 expect_output "three wavelengths"
 expect_output "direct pass: 1 sun"
+expect_exit 0 "$raysweep" light cloud.vdb --sky 1 --explain --report explained.json
+expect_json explained.json "any('sky' in reason for reason in r['plan']) and r['voxels_active'] > 0"
+expect_json explained.json "r['resolution'] == 1 and 'sky=' in r['options']"
 rm -f explained.vdb
 expect_exit 0 "$raysweep" light cloud.vdb -o explained.vdb --sky 1 --explain
 [ ! -e explained.vdb ] || fail "--explain lit the volume"

@@ -116,24 +116,24 @@ usage "--point: '-1': light cannot be negative" --point 0,0,1,-1
 usage "--sky: '-1'" --sky -1
 usage "--sky" --sky bright
 usage "--sky-scale" --sky 1 --sky-scale -1
-usage "--albedo: '1.2': an albedo is in [0,1]" --albedo 1.2
+usage "--albedo 1.2: must be in [0, 1]" --albedo 1.2
 usage "--albedo" --albedo -0.1
 usage "--albedo" --albedo 0.5,0.6
 usage "--albedo" --albedo nan
 usage "--albedo: 'grid:'" --albedo grid:
-usage "--g: must be above -1 and below 1" --g 1
-usage "--g: must be above -1 and below 1" --g -1.5
+usage "--g 1: must be in (-1, 1)" --g 1
+usage "--g -1.5: must be in (-1, 1)" --g -1.5
 usage "--g" --g nan
 usage "--g: needs a grey albedo" --g 0.5 --albedo 0.9,0.8,0.7
 usage "--emission: 'heat': grid:NAME is needed" --emission heat
-usage "--emission-scale" --emission-scale inf
-usage "--extinction" --extinction -1
+usage "--emission-scale inf: must be finite" --emission-scale inf
+usage "--extinction -1: must be finite and not negative" --extinction -1
 usage "--extinction" --extinction nan
 usage "--extinction" --extinction thick
-usage "tolerance" --tolerance -1
+usage "--tolerance -1: must be 0 or more" --tolerance -1
 usage "sweeps" --sweeps -3
 usage "sweeps" --sweeps 1.5
-usage "zeta" --zeta 0
+usage "--zeta 0: must be in (0, 1]" --zeta 0
 usage "zeta" --zeta 1.5
 usage "--interpolation" --interpolation cubic
 usage "--exchange" --exchange magic

@@ -1,6 +1,7 @@
 # The README, as a newcomer types it: its lines of shell and its C++, one after the other in one folder. Only the engine room is
 # lit on voxels four times as long: as it stands, it takes a minute.
 source "$(dirname "$0")/lib.sh" "$@"
+need_itk
 
 readme=$(dirname "${BASH_SOURCE[0]}")/../../README.md
 PATH=$(dirname "$raysweep"):$PATH

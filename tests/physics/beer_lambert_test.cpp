@@ -5,6 +5,7 @@
 
 #include "raysweep/illuminate/illuminate.h"
 #include "support/volumes.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
@@ -64,7 +65,7 @@ TEST(BeerLambert, HoldsObliquelyThroughASlab) {
                 const Illumination lit = illuminate(scene, options);
                 const double exact = -std::expm1(-thickness / std::abs(cosine));
                 const double measured = lit.power.absorbed[0] / lit.power.injected[0];
-                worst = std::max(worst, std::abs(measured / exact - 1));
+                raiseTo(worst, std::abs(measured / exact - 1));
                 EXPECT_LE(std::abs(measured / exact - 1), kTolerance)
                     << "axis " << axis << " cosine " << cosine << " thickness " << thickness << ": " << measured
                     << " instead of " << exact;

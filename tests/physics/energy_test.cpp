@@ -9,14 +9,12 @@
 
 #include "raysweep/illuminate/illuminate.h"
 #include "support/volumes.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
 
 namespace {
-
-// Fields are floats; sums over voxels and sweeps are doubles. The promise to users.
-constexpr double kBalance = 1e-5;
 
 enum class Light { sun, pointInside, pointOutside, sky, emission, all };
 constexpr Light kLights[] = {Light::sun, Light::pointInside, Light::pointOutside,
@@ -66,6 +64,8 @@ void expectNoNegative(const openvdb::GridBase& grid) {
 
 }  // namespace
 
+// Fields are floats; sums over voxels and sweeps are doubles. Users are promised 1e-5; limits are 10 % above what is
+// found: 2.34e-8 at most of all that follow, 4.9e-10 at most after any number of sweeps, 2.14e-9 without scattering.
 TEST(Energy, IsConservedForEveryLightAndMethod) {
     IlluminateOptions options;
     options.tolerance = 0;
@@ -82,8 +82,8 @@ TEST(Energy, IsConservedForEveryLightAndMethod) {
                         options.remaining = remaining;
                         const Illumination lit = illuminate(scene, options);
                         const double error = lit.power.error();
-                        worst = std::max(worst, error);
-                        EXPECT_LE(error, kBalance)
+                        raiseTo(worst, error);
+                        EXPECT_LE(error, 2.57e-8)
                             << "light " << int(light) << " coloured " << coloured << " exchange " << int(exchange)
                             << " interpolation " << int(interpolation) << " remaining " << int(remaining);
                         EXPECT_GT(lit.power.injected[0], 0);
@@ -100,7 +100,7 @@ TEST(Energy, IsConservedAtEveryStage) {
         options.tolerance = 0;
         options.sweeps = sweeps;
         options.remaining = Remaining::drop;
-        EXPECT_LE(illuminate(litScene(Light::all, false), options).power.error(), kBalance) << sweeps << " sweeps";
+        EXPECT_LE(illuminate(litScene(Light::all, false), options).power.error(), 5.3e-10) << sweeps << " sweeps";
     }
 }
 
@@ -109,7 +109,7 @@ TEST(Energy, IsConservedWithoutScattering) {
         Scene scene = litScene(light, false);
         scene.medium.albedo = grey(0);
         const Illumination lit = illuminate(scene);
-        EXPECT_LE(lit.power.error(), kBalance) << "light " << int(light);
+        EXPECT_LE(lit.power.error(), 2.34e-9) << "light " << int(light);
         EXPECT_EQ(lit.sweeps, 0);
     }
 }
@@ -261,8 +261,8 @@ double worstOfAnswer(const Medium& medium, const Illumination& lit) {
     double worst = lit.power.error();
     for (int c = 0; c < lit.plan.channels; ++c) {
         const double absorbed = absorbedByAnswer(medium, *lit.radiosity, c), injected = lit.power.injected[c];
-        worst = std::max(worst, std::abs(absorbed - lit.power.absorbed[c]) / injected);
-        worst = std::max(worst, std::abs(injected - lit.power.escaped[c] - lit.power.unshot[c] - absorbed) / injected);
+        raiseTo(worst, std::abs(absorbed - lit.power.absorbed[c]) / injected);
+        raiseTo(worst, std::abs(injected - lit.power.escaped[c] - lit.power.unshot[c] - absorbed) / injected);
     }
     return worst;
 }
@@ -283,7 +283,7 @@ TEST(Energy, TheAnswerAbsorbsWhatIsBooked) {
             double worst = 0;
             for (const int sweeps : {4, 24, 64}) {
                 options.sweeps = sweeps;
-                worst = std::max(worst, worstOfAnswer(c.scene.medium, illuminate(c.scene, options)));
+                raiseTo(worst, worstOfAnswer(c.scene.medium, illuminate(c.scene, options)));
             }
             std::printf("  %-55s %s start: %.1e\n", c.name.c_str(), dark ? "dark  " : "coarse", worst);
             EXPECT_LE(worst, kRounding) << c.name;

@@ -9,6 +9,7 @@
 
 #include "raysweep/render/render.h"
 #include "support/volumes.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
@@ -80,7 +81,7 @@ TEST(Resolution, OpticalDepthAlongEveryColumnIsKept) {
             for (const auto& [column, depth] : exact) {
                 ASSERT_EQ(kept.count(column), 1u);
                 // Coarse voxels are 1/resolution fine ones long.
-                worst = std::max(worst, std::abs(kept.at(column) / resolution / depth - 1));
+                raiseTo(worst, std::abs(kept.at(column) / resolution / depth - 1));
             }
         }
         std::printf("  resolution %.3g: optical depth of the worst column off by %.1e\n", resolution, worst);

@@ -42,6 +42,12 @@ openvdb::FloatGrid::Ptr boxVolume(const Index3& size, float density) {
     return grid;
 }
 
+openvdb::FloatGrid::Ptr namedBox(const std::string& name, float value) {
+    const openvdb::FloatGrid::Ptr grid = boxVolume(Index3(4), value);
+    grid->setName(name);
+    return grid;
+}
+
 openvdb::FloatGrid::Ptr ballVolume(int edge) {
     auto grid = openvdb::FloatGrid::create();
     auto accessor = grid->getAccessor();
@@ -79,9 +85,8 @@ openvdb::FloatGrid::Ptr noiseBall(int radius, double low, double high) {
 
 std::string findData(const std::string& name) {
     const char* const given = std::getenv("RAYSWEEP_DATA");
-    for (const std::string& folder : {std::string(given ? given : ""), sourceFolder() + "/../shared/data"})
-        if (!folder.empty() && std::filesystem::exists(folder + "/" + name)) return folder + "/" + name;
-    return "";
+    const std::string folder = given && *given ? given : sourceFolder() + "/../shared/data";
+    return std::filesystem::exists(folder + "/" + name) ? folder + "/" + name : "";
 }
 
 Vec3 quarterTurn(const Vec3& v, int axis) {

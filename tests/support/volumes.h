@@ -13,6 +13,9 @@ namespace raysweep::test {
 /// Voxels [0, size) of constant density.
 openvdb::FloatGrid::Ptr boxVolume(const Index3& size, float density = 1);
 
+/// 4^3 voxels of `value`, as a grid of that name.
+openvdb::FloatGrid::Ptr namedBox(const std::string& name, float value);
+
 /// A ball of density 1 that touches the faces of the voxels [0, edge)^3; a voxel is full if its centre is inside.
 openvdb::FloatGrid::Ptr ballVolume(int edge);
 
@@ -22,8 +25,8 @@ openvdb::FloatGrid::Ptr cloudVolume(int edge);
 /// A ball of voxels of random density, spread evenly over the decades from `low` to `high`.
 openvdb::FloatGrid::Ptr noiseBall(int radius, double low, double high);
 
-/// A file of the shared test data, or nothing if it is not on this machine: looked for in the folder named by the
-/// environment variable RAYSWEEP_DATA and in `shared/data` beside the source tree.
+/// A file of the shared test data, or nothing if it is not on this machine: looked for in the folder that the
+/// environment variable RAYSWEEP_DATA names, or, if it is not set or empty, in `shared/data` beside the source tree.
 std::string findData(const std::string& name);
 
 /// The volume turned by a quarter about `axis`: voxel v of the result is voxel quarterTurnBack(v) of `grid`.

@@ -12,6 +12,7 @@
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/project_grid.h"
 #include "support/instruction_sets.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 
@@ -125,8 +126,8 @@ double largestDifference(const RayImage& a, const RayImage& b, int columns, int 
     double most = 0, largest = 0;
     for (int u = 0; u < columns; ++u)
         for (int v = 0; v < rows; ++v) {
-            most = std::max(most, double(std::abs(a.column(u)[v] - b.column(u)[v])));
-            largest = std::max(largest, double(std::abs(a.column(u)[v])));
+            test::raiseTo(most, double(std::abs(a.column(u)[v] - b.column(u)[v])));
+            test::raiseTo(largest, double(std::abs(a.column(u)[v])));
         }
     return most / largest;
 }

@@ -11,10 +11,12 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "support/temporary_folder.h"
 #include "support/volumes.h"
-#include "unit/reconstruct/ct_fixture.h"
+#include "unit/scan/ct_fixture.h"
 
 using namespace raysweep;
 using namespace raysweep::test;
@@ -80,9 +82,17 @@ void expectRefused(const Scan& scan, const ReconstructOptions& options, const st
 }  // namespace
 
 TEST(Reconstruct, FromFilesToAVolumeByEveryMethod) {
+    // Of the RMS distance from the box, of values 0 and 1. Found, in this order: .0749 .0775 .1186 .0819, .1110 .1027
+    // .1254 .1658.
+    using Limits = std::map<Method, double>;
+    const std::pair<BeamShape, Limits> cases[] = {
+        {BeamShape::parallel,
+         {{Method::sart, 0.082}, {Method::osSart, 0.085}, {Method::sirt, 0.13}, {Method::fbp, 0.09}}},
+        {BeamShape::cone,
+         {{Method::sart, 0.122}, {Method::osSart, 0.1125}, {Method::sirt, 0.137}, {Method::fbp, 0.182}}}};
     const TemporaryFolder folder;
     const openvdb::FloatGrid::Ptr box = makeBoxWithHoles(smallBox());
-    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
+    for (const auto& [beam, limits] : cases) {
         std::filesystem::create_directory(folder / "scan");
         writeProjections(folder / "scan/p.exr", smallScan(beam).projections);
         ScanOptions scanOptions;
@@ -93,7 +103,7 @@ TEST(Reconstruct, FromFilesToAVolumeByEveryMethod) {
             scanOptions.geometry.sourceToDetector = 100;
         }
         const Scan scan = readScan(scanOptions);
-        for (const Method method : {Method::sart, Method::osSart, Method::sirt, Method::fbp}) {
+        for (const auto& [method, limit] : limits) {
             ReconstructOptions options;
             options.method = method;
             options.volumes.reference = box;
@@ -109,7 +119,7 @@ TEST(Reconstruct, FromFilesToAVolumeByEveryMethod) {
                                              : options.sart.iterations * (method == Method::sart     ? 24
                                                                           : method == Method::osSart ? 12
                                                                                                      : 1));
-            EXPECT_LT(result.rms, 0.3) << "of values 0 and 1, by 24 views; without a volume it is 0.9";
+            EXPECT_LT(result.rms, limit);
             if (!direct) {
                 EXPECT_NEAR(result.rms, result.history.back().rms, 1e-6) << "both of the last volume";
             }

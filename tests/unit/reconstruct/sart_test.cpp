@@ -10,6 +10,7 @@
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/support.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 
@@ -135,7 +136,7 @@ TEST(Sart, VoxelsStayWithinTheirBounds) {
     float most = 0;
     for (auto value = volume->cbeginValueOn(); value; ++value) {
         EXPECT_GT(*value, 0);
-        most = std::max(most, *value);
+        test::raiseTo(most, *value);
     }
     EXPECT_FLOAT_EQ(most, 0.8f);
 }

@@ -11,25 +11,18 @@
 
 using namespace raysweep;
 using openvdb::Coord;
-using openvdb::FloatGrid;
 
 namespace {
-
-FloatGrid::Ptr box(const std::string& name, float value) {
-    const FloatGrid::Ptr grid = test::boxVolume(Index3(4), value);
-    grid->setName(name);
-    return grid;
-}
 
 /// Two grids, of which "smoke" was lit; every voxel has radiosity 2 and the unshot power 4 pi.
 VdbFile litFile(const MediumOptions& medium) {
     const test::TemporaryFolder folder;
-    const VdbFile input{"in.vdb", {box("fire", 5), box("smoke", 1)}, {}};
+    const VdbFile input{"in.vdb", {test::namedBox("fire", 5), test::namedBox("smoke", 1)}, {}};
     SceneOptions options;
     options.medium = medium;
     options.medium.density = "smoke";
     writeLit(folder / "lit.vdb", input, sceneFrom(input, options), {"", "medium", 1, false},
-             {box("radiosity", 2), box("unshot", float(4 * kPi))});
+             {test::namedBox("radiosity", 2), test::namedBox("unshot", float(4 * kPi))});
     return readVdb(folder / "lit.vdb");
 }
 
@@ -117,7 +110,7 @@ TEST(LitVolume, UnshotPowerMustBeOnTheVoxelsOfRadiosity) {
 }
 
 TEST(LitVolume, SaysWhatMustBeDoneFirst) {
-    const InvalidArgument dark = errorOf({"dark.vdb", {box("smoke", 1)}, {}});
+    const InvalidArgument dark = errorOf({"dark.vdb", {test::namedBox("smoke", 1)}, {}});
     EXPECT_EQ(dark.remedy, Remedy::lightFirst);
     EXPECT_EQ(dark.subject, "dark.vdb");
     VdbFile moved = litFog();

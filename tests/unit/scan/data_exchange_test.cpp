@@ -11,7 +11,8 @@
 #include "support/temporary_folder.h"
 #include "support/volume_files.h"
 #include "support/volumes.h"
-#include "unit/reconstruct/ct_fixture.h"
+#include "support/worst.h"
+#include "unit/scan/ct_fixture.h"
 #include "unit/scan/hdf5_file.h"
 
 using namespace raysweep;
@@ -227,6 +228,6 @@ TEST(DataExchange, ToothScanGivesLineIntegrals) {
         .read(reinterpret_cast<char*>(expected.data()), std::streamsize(4 * expected.size()));
     double worst = 0;
     for (std::size_t p = 0; p < expected.size(); ++p)
-        worst = std::max(worst, std::abs(double(expected[p]) - tooth.projections.values[p]));
+        raiseTo(worst, std::abs(double(expected[p]) - tooth.projections.values[p]));
     EXPECT_LT(worst, 1e-4);  // single precision in a logarithm's argument that goes down to 0.01
 }

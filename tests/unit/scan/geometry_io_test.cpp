@@ -13,7 +13,7 @@
 #include "support/source_folder.h"
 #include "support/temporary_folder.h"
 #include "support/volume_files.h"
-#include "unit/reconstruct/ct_fixture.h"
+#include "unit/scan/ct_fixture.h"
 
 using namespace raysweep;
 using namespace raysweep::test;

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-#include "unit/reconstruct/ct_fixture.h"
+#include "unit/scan/ct_fixture.h"
 
 using namespace raysweep;
 using namespace raysweep::test;

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "support/volumes.h"
-#include "unit/reconstruct/ct_fixture.h"
+#include "unit/scan/ct_fixture.h"
 
 using namespace raysweep;
 using namespace raysweep::test;

@@ -13,12 +13,6 @@ using openvdb::FloatGrid;
 
 namespace {
 
-FloatGrid::Ptr box(const std::string& name, float value) {
-    const FloatGrid::Ptr grid = test::boxVolume(Index3(4), value);
-    grid->setName(name);
-    return grid;
-}
-
 std::string metaOf(const openvdb::GridBase& grid, const std::string& key) {
     const auto value = grid[key];
     return value ? value->str() : "none";
@@ -30,7 +24,8 @@ VdbFile lit(const VdbFile& input, const MediumOptions& options) {
     SceneOptions scene;
     scene.medium = options;
     const LitRecord record{"quiet=true\n", "medium", 0.5, false};
-    EXPECT_TRUE(writeLit(folder / "lit.vdb", input, sceneFrom(input, scene), record, {box("radiosity", 7)}).empty());
+    EXPECT_TRUE(
+        writeLit(folder / "lit.vdb", input, sceneFrom(input, scene), record, {test::namedBox("radiosity", 7)}).empty());
     return readVdb(folder / "lit.vdb");
 }
 
@@ -39,7 +34,7 @@ VdbFile lit(const VdbFile& input, const MediumOptions& options) {
 TEST(LitFile, OfAFogSaysDensityAndExtinction) {
     MediumOptions options;
     options.extinction = 3;
-    const VdbFile file = lit({"in.vdb", {box("smoke", 1)}, {}}, options);
+    const VdbFile file = lit({"in.vdb", {test::namedBox("smoke", 1)}, {}}, options);
     ASSERT_EQ(file.grids.size(), 2u);
     const auto radiosity = litRadiosity(file);
     ASSERT_TRUE(radiosity);
@@ -56,7 +51,7 @@ TEST(LitFile, OfAFogSaysDensityAndExtinction) {
 TEST(LitFile, OfASolidHoldsTheExtinctionAndTheRamp) {
     MediumOptions options;
     options.classification = Classification{rampFunction(0, 1), "0,1", ""};
-    const VdbFile file = lit({"in.vdb", {box("ct", 1)}, {}}, options);
+    const VdbFile file = lit({"in.vdb", {test::namedBox("ct", 1)}, {}}, options);
     ASSERT_EQ(file.grids.size(), 3u);
     const FloatGrid::Ptr extinction = litExtinction(file);
     ASSERT_TRUE(extinction);
@@ -71,20 +66,20 @@ TEST(LitFile, OfASolidHoldsTheExtinctionAndTheRamp) {
 TEST(LitFile, KeepsTablesAsJson) {
     MediumOptions options;
     options.classification = Classification{rampFunction(0, 1), "", "bone.json"};
-    const VdbFile file = lit({"in.vdb", {box("ct", 1)}, {}}, options);
+    const VdbFile file = lit({"in.vdb", {test::namedBox("ct", 1)}, {}}, options);
     EXPECT_EQ(metaOf(*litRadiosity(file), "raysweep_transfer"), toJson(rampFunction(0, 1)));
 }
 
 TEST(LitFile, AnExtinctionOfTheUsersOwnIsNotMeant) {
-    const VdbFile file{"in.vdb", {box("extinction", 1)}, {}};
+    const VdbFile file{"in.vdb", {test::namedBox("extinction", 1)}, {}};
     EXPECT_FALSE(litExtinction(file));
     EXPECT_EQ(withoutLight(file).grids.size(), 1u);
 }
 
 TEST(LitFile, ClampsHalfFloatsAndSaysWhere) {
     const test::TemporaryFolder folder;
-    const VdbFile input{"in.vdb", {box("smoke", 1)}, {}};
-    const FloatGrid::Ptr radiosity = box("radiosity", 1);
+    const VdbFile input{"in.vdb", {test::namedBox("smoke", 1)}, {}};
+    const FloatGrid::Ptr radiosity = test::namedBox("radiosity", 1);
     radiosity->tree().setValueOn(Coord(1, 1, 1), 1e6f);
     const auto clamped = writeLit(folder / "lit.vdb", input, sceneFrom(input), {"", "medium", 1, true}, {radiosity});
     ASSERT_EQ(clamped.size(), 1u);
@@ -93,7 +88,7 @@ TEST(LitFile, ClampsHalfFloatsAndSaysWhere) {
 }
 
 TEST(LitFile, AnExtinctionThatIsNoNumberIsRefused) {
-    const FloatGrid::Ptr radiosity = box("radiosity", 1);
+    const FloatGrid::Ptr radiosity = test::namedBox("radiosity", 1);
     radiosity->insertMeta("raysweep_extinction", openvdb::StringMetadata("thick"));
     try {
         litExtinctionScale(*radiosity);

@@ -18,12 +18,6 @@ using openvdb::FloatGrid;
 
 namespace {
 
-FloatGrid::Ptr box(const std::string& name, float value) {
-    const FloatGrid::Ptr grid = test::boxVolume(Index3(4), value);
-    grid->setName(name);
-    return grid;
-}
-
 VdbFile fileOf(const openvdb::GridPtrVec& grids) {
     return {"some.vdb", grids, {}};
 }
@@ -45,7 +39,7 @@ InvalidArgument errorOf(const Call& call) {
 }  // namespace
 
 TEST(MediumFrom, WithoutOptionsIsAFogOfTheOnlyGrid) {
-    const FloatGrid::Ptr smoke = box("smoke", 0.5f);
+    const FloatGrid::Ptr smoke = test::namedBox("smoke", 0.5f);
     const MediumFromFile made = mediumFrom(fileOf({smoke}));
     EXPECT_EQ(made.medium.density, smoke);
     EXPECT_EQ(made.medium.extinctionScale, 1);
@@ -57,24 +51,25 @@ TEST(MediumFrom, WithoutOptionsIsAFogOfTheOnlyGrid) {
 }
 
 TEST(MediumFrom, SaysHowTheGridIsChosenAgain) {
-    const FloatGrid::Ptr second = box("density", 2);
+    const FloatGrid::Ptr second = test::namedBox("density", 2);
     MediumOptions options;
     options.density = "density[1]";
-    const MediumFromFile made = mediumFrom(fileOf({box("density", 1), second}), options);
+    const MediumFromFile made = mediumFrom(fileOf({test::namedBox("density", 1), second}), options);
     EXPECT_EQ(made.medium.density, second);
     EXPECT_EQ(made.origin.density, "density[1]");
 }
 
 TEST(MediumFrom, DoesNotSeeWhatAnEarlierLightingAdded) {
-    const FloatGrid::Ptr smoke = box("smoke", 1);
-    EXPECT_EQ(mediumFrom(fileOf({box("radiosity", 1), smoke, box("unshot", 1)})).medium.density, smoke);
+    const FloatGrid::Ptr smoke = test::namedBox("smoke", 1);
+    EXPECT_EQ(mediumFrom(fileOf({test::namedBox("radiosity", 1), smoke, test::namedBox("unshot", 1)})).medium.density,
+              smoke);
 }
 
 TEST(MediumFrom, ClassifiesByARamp) {
     MediumOptions options;
     options.classification = rampOf(0, 1, "0,1");
     EXPECT_TRUE(options.isClassified());
-    const MediumFromFile made = mediumFrom(fileOf({box("ct", 1)}), options);
+    const MediumFromFile made = mediumFrom(fileOf({test::namedBox("ct", 1)}), options);
     EXPECT_TRUE(made.medium.solid);
     EXPECT_TRUE(made.origin.ownExtinction);
     EXPECT_NEAR(made.medium.density->tree().getValue(Coord(1, 1, 1)), extinctionFromOpacity(kRampOpacity, 1), 1e-5);
@@ -84,12 +79,12 @@ TEST(MediumFrom, ClassifiesByARamp) {
 TEST(MediumFrom, TakesATablesColoursUnlessAnAlbedoIsGiven) {
     MediumOptions options;
     options.classification = Classification{{{{0, 0, grey(0.25f)}, {1, 0.5, grey(0.25f)}}, true}, "", "bone.json"};
-    const MediumFromFile coloured = mediumFrom(fileOf({box("ct", 1)}), options);
+    const MediumFromFile coloured = mediumFrom(fileOf({test::namedBox("ct", 1)}), options);
     ASSERT_TRUE(coloured.medium.albedoGrid);
     EXPECT_EQ(coloured.origin.reasons, (std::vector<std::string>{"extinction: 'ct' classified by the table 'bone.json'",
                                                                  "albedo: the table's colours"}));
     options.albedo = grey(0.5f);
-    const MediumFromFile given = mediumFrom(fileOf({box("ct", 1)}), options);
+    const MediumFromFile given = mediumFrom(fileOf({test::namedBox("ct", 1)}), options);
     EXPECT_FALSE(given.medium.albedoGrid);
     EXPECT_EQ(given.medium.albedo, grey(0.5f));
 }
@@ -117,7 +112,7 @@ TEST(MediumFrom, ALevelSetIsASolidUnlessItsExtinctionIsGiven) {
 }
 
 TEST(MediumFrom, RepairsACopyAndSaysWhat) {
-    const FloatGrid::Ptr smoke = box("smoke", 1);
+    const FloatGrid::Ptr smoke = test::namedBox("smoke", 1);
     smoke->tree().setValueOn(Coord(1, 2, 3), -1);
     smoke->tree().setValueOn(Coord(0, 0, 0), std::numeric_limits<float>::quiet_NaN());
     MediumOptions options;
@@ -142,7 +137,7 @@ TEST(MediumFrom, MakesScatteringIsotropicBySimilarity) {
     options.extinction = 2;
     options.albedo = grey(0.5f);
     options.g = 0.5;
-    const MediumFromFile made = mediumFrom(fileOf({box("cloud", 1)}), options);
+    const MediumFromFile made = mediumFrom(fileOf({test::namedBox("cloud", 1)}), options);
     EXPECT_DOUBLE_EQ(made.medium.extinctionScale, 1.5);  // times 1 - 0.5 * 0.5
     EXPECT_FLOAT_EQ(made.medium.albedo.x, 1 / 3.f);      // 0.5 (1 - 0.5) / (1 - 0.5 * 0.5)
     EXPECT_FALSE(made.origin.ownExtinction);
@@ -152,7 +147,7 @@ TEST(MediumFrom, MakesScatteringIsotropicBySimilarity) {
 }
 
 TEST(MediumFrom, ErrorsNameTheOptionThatChose) {
-    const VdbFile file = fileOf({box("smoke", 1)});
+    const VdbFile file = fileOf({test::namedBox("smoke", 1)});
     const auto subjectOf = [&](std::string MediumOptions::*field) {
         MediumOptions options;
         options.*field = "none";
@@ -191,7 +186,7 @@ TEST(SceneFrom, HoldsTheLightsAndAConstantSky) {
     options.points = {PointLight{}, PointLight{}};
     options.quads = {QuadLight{}};
     options.sky.radiance = grey(0.5f);
-    const SceneFromFile made = sceneFrom(fileOf({box("smoke", 1)}), options);
+    const SceneFromFile made = sceneFrom(fileOf({test::namedBox("smoke", 1)}), options);
     EXPECT_EQ(made.scene.suns.size(), 1u);
     EXPECT_EQ(made.scene.points.size(), 2u);
     EXPECT_EQ(made.scene.quads.size(), 1u);
@@ -210,14 +205,14 @@ TEST(SceneFrom, ASkyMapBecomesSunsAndARest) {
     SceneOptions options;
     options.sky.map = folder / "sky.exr";
     writeImage(options.sky.map, map);
-    const SceneFromFile made = sceneFrom(fileOf({box("smoke", 1)}), options);
+    const SceneFromFile made = sceneFrom(fileOf({test::namedBox("smoke", 1)}), options);
     ASSERT_TRUE(made.origin.skySuns);
     EXPECT_EQ(made.origin.skySuns->count, 1);
     EXPECT_EQ(made.scene.suns.size(), 1u);
     EXPECT_TRUE(made.scene.sky.profile);
     EXPECT_EQ(made.origin.reasons.at(0).rfind("sky map: 1 sun(s) stand for its small bright parts, with ", 0), 0u);
     writeImage(options.sky.map, Image(5, 5, 3));
-    const InvalidArgument error = errorOf([&] { sceneFrom(fileOf({box("smoke", 1)}), options); });
+    const InvalidArgument error = errorOf([&] { sceneFrom(fileOf({test::namedBox("smoke", 1)}), options); });
     EXPECT_EQ(error.subject, "sky");
     EXPECT_EQ(std::string(error.what()).rfind("sky: '" + options.sky.map + "': a sky map must be a lat-long", 0), 0u);
 }
@@ -225,7 +220,7 @@ TEST(SceneFrom, ASkyMapBecomesSunsAndARest) {
 TEST(Scene, SaysWhichLightHasNoMeaning) {
     Scene scene;
     EXPECT_STREQ(errorOf([&] { scene.validate(); }).what(), "the scene has no density grid");
-    scene.medium.density = box("smoke", 1);
+    scene.medium.density = test::namedBox("smoke", 1);
     EXPECT_NO_THROW(scene.validate());
     scene.points = {PointLight{Vec3(0), grey(-2)}};
     EXPECT_STREQ(errorOf([&] { scene.validate(); }).what(),

@@ -25,8 +25,8 @@ BrickLayout scatteredLayout(double share) {
     return layout;
 }
 
-/// Sweeps walls of optical depth 1e6 with albedo 0 in voxels' stead: each ray ends in the first voxel it meets, so to
-/// see all of them voxels are nearly transparent instead, and what is deposited counts the rays.
+/// How many rays meet each voxel: voxels are nearly transparent, and each ray leaves in each about 1 of the much that
+/// it carries.
 std::vector<int> raysMet(const SweepVolume& volume, const RayFront& front) {
     constexpr float kThin = 1e-6f;
     const std::size_t bricks = volume.layout.brickCount();
@@ -105,7 +105,7 @@ TEST(FrontRays, EveryVoxelMeetsExactlyOneRay) {
 }
 
 TEST(FrontRays, EveryVoxelMeetsOneRayInAPeriodicVolume) {
-    for (const int edge : {8, 128, 256}) {  // one tile, and an even number of them
+    for (const int edge : {8, 128, 256}) {  // one brick each way, and an even number of them
         BrickLayout layout;
         for (int x = 0; x < edge; x += 8)
             for (int y = 0; y < edge; y += 8) layout.origins.emplace_back(x, y, 0);

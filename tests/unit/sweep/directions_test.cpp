@@ -1,5 +1,7 @@
 #include "raysweep/sweep/directions.h"
 
+#include "support/worst.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,11 +16,11 @@ double unevenness(const std::vector<Vec3>& directions) {
     for (int a = 0; a < 3; ++a) {
         double first = 0;
         for (const Vec3& d : directions) first += d[a] / double(directions.size());
-        worst = std::max(worst, std::abs(first));
+        test::raiseTo(worst, std::abs(first));
         for (int b = 0; b < 3; ++b) {
             double second = a == b ? -1.0 / 3 : 0;
             for (const Vec3& d : directions) second += d[a] * d[b] / double(directions.size());
-            worst = std::max(worst, std::abs(second));
+            test::raiseTo(worst, std::abs(second));
         }
     }
     return worst;

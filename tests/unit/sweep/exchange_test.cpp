@@ -12,6 +12,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/sweep/sweep.h"
 #include "support/instruction_sets.h"
+#include "support/worst.h"
 
 using namespace raysweep;
 using test::ExchangeCase;
@@ -54,7 +55,7 @@ double worstOf(const BrickField& field, const BrickField& before, const std::vec
     for (std::size_t i = 0; i < changes[0]->size(); ++i) {
         double expected = double(before.brick(0)[i]);
         for (const PlainField* const change : changes) expected += (*change)[i];
-        worst = std::max(worst, std::abs(double(field.brick(0)[i]) - expected));
+        test::raiseTo(worst, std::abs(double(field.brick(0)[i]) - expected));
     }
     return worst;
 }

@@ -2,6 +2,8 @@
 
 #include "raysweep/core/error.h"
 
+#include "support/other_grid.h"
+
 #include <gtest/gtest.h>
 
 using namespace raysweep;
@@ -12,7 +14,7 @@ namespace {
 
 template <class GridT>
 typename GridT::Ptr add(VdbFile& file, const std::string& name, int voxels = 1) {
-    const typename GridT::Ptr grid = GridT::create();
+    const auto grid = test::otherGrid<GridT>();
     grid->setName(name);
     for (int i = 0; i < voxels; ++i) grid->tree().setValueOn(Coord(i, 0, 0), typename GridT::ValueType(1));
     file.grids.push_back(grid);

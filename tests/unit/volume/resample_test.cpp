@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "support/other_grid.h"
 #include "support/volumes.h"
 
 using namespace raysweep;
@@ -150,7 +151,7 @@ TEST(Coarsened, KeepsColoursApart) {
 TEST(Coarsened, RefusesWhatHasNoMeaning) {
     for (const double resolution : {0.0, -1.0, 1.001, std::numeric_limits<double>::quiet_NaN()})
         EXPECT_THROW(coarsened(*FloatGrid::create(), resolution), InvalidArgument) << resolution;
-    EXPECT_THROW(coarsened(*openvdb::Int32Grid::create(), 0.5), InvalidArgument);
+    EXPECT_THROW(coarsened(*test::otherGrid<openvdb::Int32Grid>(), 0.5), InvalidArgument);
     const FloatGrid::Ptr frustum = FloatGrid::create();
     frustum->setTransform(openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(Vec3d(0), Vec3d(8)), 0.5, 1));
     EXPECT_THROW(coarsened(*frustum, 0.5), InvalidArgument);

@@ -3,6 +3,8 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
+#include "support/other_grid.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -113,7 +115,7 @@ TEST(CheckAlbedo, AcceptsFractionsOnly) {
     const Vec3SGrid::Ptr color = Vec3SGrid::create();
     color->tree().setValueOn(Coord(0), Vec3s(1.0f, 0.0f, kNan));
     EXPECT_THROW(checkAlbedo(*color), InvalidArgument);
-    EXPECT_THROW(checkAlbedo(*openvdb::BoolGrid::create()), InvalidArgument);
+    EXPECT_THROW(checkAlbedo(*test::otherGrid<openvdb::BoolGrid>()), InvalidArgument);
 }
 
 TEST(ClampForHalf, TouchesOnlyWhatHalfCannotHold) {
