@@ -111,12 +111,12 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
         ->capture_default_str();
     app.add_option(
         "--zeta", o.zeta,
-        "Part of a voxel's unshot power that one sweep shoots, (0,1]; unless given 0.1 or 0.2 from a coarse start, "
-        "else 0.5");
+        "Part of a voxel's unshot power that the directions swept together shoot, (0,1]; unless given 0.1 or 0.2 from "
+        "a coarse start, else 0.5");
     app.add_option(
            "--beams", o.beams,
            "Directions that are swept together, 1 to 8: more is quicker, and a little less accurate for the same "
-           "number of sweeps; 0: chosen")
+           "number of sweeps; 0: chosen. Random and low-discrepancy directions go one by one")
         ->capture_default_str();
     app.add_flag("--dark-start", o.darkStart,
                  "Do not begin (and end) with a solution on voxels twice as long, as media do");
