@@ -16,7 +16,8 @@ LitVolumeOptions withoutTransfer(const RenderSource& a) {
 
 void addRenderSource(CLI::App& app, RenderSource& a) {
     app.option_defaults()->group("Volume");
-    app.add_option("--density", a.density, "Density grid (default: the one that was lit)")->type_name("NAME");
+    app.add_option("--density", a.density, "Density grid, rendered as fog (default: what was lit, as it was lit)")
+        ->type_name("NAME");
     auto* const extinction = app.add_option(
         "--extinction", a.extinction, "Extinction per unit density, 1/world unit (default: as it was lit, else 1)");
     addTransferOptions(app, a.transfer, extinction);

@@ -22,10 +22,10 @@ openvdb::GridBase::ConstPtr requireRadiosity(const VdbFile& file) {
 
 RenderInput selectInput(const VdbFile& file, const LitVolumeOptions& options) {
     const openvdb::GridBase::ConstPtr radiosity = requireRadiosity(file);
-    const std::string lit = litDensity(*radiosity), name = options.density.empty() ? lit : options.density;
     // A file that was lit with a transfer function holds the extinction itself.
     const openvdb::FloatGrid::Ptr written = litExtinction(file);
-    if (written && name == lit && !options.extinction && !options.transfer) return {written, 1, radiosity};
+    if (written && options.density.empty() && !options.extinction && !options.transfer) return {written, 1, radiosity};
+    const std::string name = options.density.empty() ? litDensity(*radiosity) : options.density;
     const openvdb::FloatGrid::Ptr density = selectDensity(withoutLight(file), name);
     if (options.transfer) return {classify(*density, *options.transfer).extinction, 1, radiosity};
     const auto extinction = options.extinction ? options.extinction : litExtinctionScale(*radiosity);

@@ -12,7 +12,8 @@ namespace raysweep {
 
 /// What of a lit file is shown; what is left open is as it was when the file was lit.
 struct LitVolumeOptions {
-    std::string density;                       ///< grid, as selectDensity takes it; empty: the one that was lit
+    std::string density;                       ///< grid, as selectDensity takes it, without the
+                                               ///< transfer function it was lit with; empty: what was lit
     std::optional<double> extinction;          ///< per unit density, 1/world unit, finite and not negative
     std::optional<TransferFunction> transfer;  ///< in place of `extinction`: what makes a solid of the density
     std::optional<Color> unshot;  ///< shows power that is still unshot as light of this colour, too; not negative

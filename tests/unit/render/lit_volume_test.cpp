@@ -62,18 +62,6 @@ TEST(LitVolume, OfASolidIsTheExtinctionThatWasWritten) {
     EXPECT_EQ(input.extinctionScale, 1);
 }
 
-TEST(LitVolume, NamingTheDensityThatWasLitChangesNothing) {
-    LitVolumeOptions options;
-    options.density = "smoke";
-    const RenderInput solid = litVolume(litSolid(), options), fog = litVolume(litFog(), options);
-    EXPECT_EQ(solid.density->getName(), "extinction");
-    EXPECT_EQ(solid.extinctionScale, 1);
-    EXPECT_EQ(fog.density->getName(), "smoke");
-    EXPECT_EQ(fog.extinctionScale, 3);
-    options.density = "fire";
-    EXPECT_EQ(litVolume(litSolid(), options).density->getName(), "fire");
-}
-
 TEST(LitVolume, WhatIsSaidWins) {
     LitVolumeOptions options;
     options.density = "fire";
