@@ -122,6 +122,9 @@ TEST(Layering, ModulesLinkWithThoseAboveThemAlone) {
 
 // What makes units slow to compile is OpenVDB's trees: those of float and vec3s are made once.
 TEST(Layering, OneUnitInstantiatesTheTrees) {
+#ifndef __OPTIMIZE__
+    GTEST_SKIP() << "without optimisation every unit holds the inline members that it calls";
+#endif
     std::set<std::string> units;
     for (const ObjectFile& object : libraryObjects())
         for (const std::string& symbol : object.defined)

@@ -105,7 +105,9 @@ class RayMarcher {
         for (int axis = 0; axis < 3; ++axis) perDirection_[axis] = 1 / line_.direction[axis];
         line_.origin = line_.at(skipped);
         radiosityLine_.origin = radiosityLine_.at(skipped);
-        ray_ = IndexRay(line_.origin, line_.direction, ray_.t0() - skipped, ray_.t1() - skipped);
+        // OpenVDB's rays begin after 0.
+        const double begin = std::max(ray_.t0() - skipped, openvdb::math::Delta<double>::value());
+        ray_ = IndexRay(line_.origin, line_.direction, begin, ray_.t1() - skipped);
         stepDepth_ = float(volume_.extinctionScale * step * worldPerIndex_);
         nextStep_ = 0;
         return true;

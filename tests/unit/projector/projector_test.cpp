@@ -177,6 +177,12 @@ TEST(Projector, AllInstructionSetsAreAdjointForRowsOfAnyDistance) {
     test::forEachInstructionSet([&] { expectAdjoint(pitches); });
 }
 
+#ifdef __OPTIMIZE__
+constexpr double kWeightRounding = 2.35e-7;
+#else
+constexpr double kWeightRounding = 4.4e-7;
+#endif
+
 // The sums of weights are found another way than by projecting ones: by intervals, not by voxels.
 TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
     const ColumnLattice lattice = centredLattice(Index3(40, 45, 37));
@@ -192,8 +198,10 @@ TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
         ViewRays rays;
         setView(rays, scan.geometry, 1, lattice);
         projectView(ones, rays);
-        // Rounding of positions and sums; found: 2.14e-7.
-        EXPECT_LT(largestDifference(rays.values, rays.weights, scan.geometry.width, scan.geometry.height), 2.35e-7)
+        // Rounding of positions and sums; found: 2.14e-7, and 4.01e-7 where the compiler does not contract to fused
+        // multiply-adds (without optimisation).
+        EXPECT_LT(largestDifference(rays.values, rays.weights, scan.geometry.width, scan.geometry.height),
+                  kWeightRounding)
             << scan.name;
     }
 }
