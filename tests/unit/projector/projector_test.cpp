@@ -11,8 +11,8 @@
 #include "raysweep/phantoms/solid_shapes.h"
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/project_grid.h"
-#include "support/instruction_sets.h"
 #include "support/worst.h"
+#include "unit/instruction_sets.h"
 
 using namespace raysweep;
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-#include "support/instruction_sets.h"
+#include "unit/instruction_sets.h"
 
 using namespace raysweep;
 

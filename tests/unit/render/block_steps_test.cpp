@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "support/instruction_sets.h"
+#include "unit/instruction_sets.h"
 
 using namespace raysweep;
 

@@ -11,8 +11,8 @@
 #include "plain_exchange.h"
 #include "raysweep/core/error.h"
 #include "raysweep/sweep/sweep.h"
-#include "support/instruction_sets.h"
 #include "support/worst.h"
+#include "unit/instruction_sets.h"
 
 using namespace raysweep;
 using test::ExchangeCase;

@@ -1,4 +1,4 @@
-#include "support/instruction_sets.h"
+#include "unit/instruction_sets.h"
 
 #include "raysweep/core/simd_targets.h"  // before Highway
 
