@@ -175,6 +175,12 @@ double relativeDifference(const openvdb::GridBase& a, const openvdb::GridBase& b
     return std::sqrt(difference / norm);
 }
 
+double massOf(const openvdb::FloatGrid& grid) {
+    double sum = 0;
+    for (auto it = grid.cbeginValueOn(); it; ++it) sum += double(*it) * double(it.getVoxelCount());
+    return sum * grid.transform().voxelSize().product();
+}
+
 bool sameBits(const openvdb::GridBase& a, const openvdb::GridBase& b) {
     if (a.type() != b.type()) return false;
     if (a.isType<openvdb::FloatGrid>())

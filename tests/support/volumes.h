@@ -59,6 +59,9 @@ Departure fromOne(const openvdb::GridBase& radiosity, const openvdb::FloatGrid& 
 /// RMS of a - b over the active voxels of `shape`, relative to the RMS of b.
 double relativeDifference(const openvdb::GridBase& a, const openvdb::GridBase& b, const openvdb::FloatGrid& shape);
 
+/// Integral over the volume: world units cubed times a value's unit.
+double massOf(const openvdb::FloatGrid& grid);
+
 /// True if both have the same active voxels with the same bits.
 bool sameBits(const openvdb::GridBase& a, const openvdb::GridBase& b);
 

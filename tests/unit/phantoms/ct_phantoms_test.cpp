@@ -1,6 +1,7 @@
 #include "raysweep/phantoms/ct_phantoms.h"
 
 #include "raysweep/core/error.h"
+#include "support/volumes.h"
 #include "support/worst.h"
 
 #include <gtest/gtest.h>
@@ -14,12 +15,6 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 
 namespace {
-
-double massOf(const FloatGrid& grid) {
-    double sum = 0;
-    for (auto it = grid.cbeginValueOn(); it; ++it) sum += double(*it) * double(it.getVoxelCount());
-    return sum * grid.transform().voxelSize().product();
-}
 
 /// Sum over the shapes of density and volume: also where they overlap.
 double analyticMass(const std::vector<SolidShape>& shapes) {
@@ -77,12 +72,12 @@ TEST(CtPhantoms, GridsHoldTheMassOfTheirShapes) {
     options.size = 96;
     options.density = 0.5f;
     // Of the surfaces' voxels each is known to 1/256 or, where a face runs along the lines, to 1/16.
-    EXPECT_NEAR(massOf(*makeSheppLogan(options)) / analyticMass(sheppLogan(options)), 1, 2e-4);
-    EXPECT_NEAR(massOf(*makeBoxWithHoles(options)) / analyticMass(boxWithHoles(options)), 1, 1e-3);
+    EXPECT_NEAR(test::massOf(*makeSheppLogan(options)) / analyticMass(sheppLogan(options)), 1, 2e-4);
+    EXPECT_NEAR(test::massOf(*makeBoxWithHoles(options)) / analyticMass(boxWithHoles(options)), 1, 1e-3);
     options.dims = Coord(96, 80, 41);
     options.voxelSize = 2;
     const FloatGrid::Ptr grid = makeBoxWithHoles(options);
-    EXPECT_NEAR(massOf(*grid) / analyticMass(boxWithHoles(options)), 1, 5e-3);
+    EXPECT_NEAR(test::massOf(*grid) / analyticMass(boxWithHoles(options)), 1, 5e-3);
     EXPECT_NEAR(grid->indexToWorld(openvdb::Vec3d(47.5, 39.5, 20)).length(), 0, 1e-12);
     const Coord extent = grid->evalActiveVoxelBoundingBox().dim();
     EXPECT_EQ(extent, Coord(60, 50, 27)) << "five eighths of each dimension, rounded up to whole voxels";

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "support/volumes.h"
 
 #include <gtest/gtest.h>
 
@@ -13,12 +14,6 @@ using openvdb::Coord;
 using openvdb::FloatGrid;
 
 namespace {
-
-double massOf(const FloatGrid& grid) {
-    double sum = 0;
-    for (auto it = grid.cbeginValueOn(); it; ++it) sum += double(*it) * double(it.getVoxelCount());
-    return sum * grid.transform().voxelSize().product();
-}
 
 Vec3 randomDirection(std::mt19937& random) {
     std::uniform_real_distribution<double> uniform(-1, 1);
@@ -84,10 +79,10 @@ TEST(SolidShapes, VoxelsHoldTheMassOfWhatTheyAreMadeFrom) {
     const std::vector<SolidShape> ball{ellipsoid(1.5, Vec3(0.05, 0.1, -0.1), axes, 20)};
     const double mass = 1.5 * 4 / 3 * kPi * axes.x * axes.y * axes.z;
     // Lines 1/8 voxel apart: what is missed at the rims is of both signs and averages out over the surface.
-    EXPECT_NEAR(massOf(*voxelize(ball, Coord(64), 2.0 / 64)) / mass, 1, 1e-4);
-    EXPECT_NEAR(massOf(*voxelize(ball, Coord(50, 33, 41), 0.05)) / mass, 1, 2e-4) << "any dims";
+    EXPECT_NEAR(test::massOf(*voxelize(ball, Coord(64), 2.0 / 64)) / mass, 1, 1e-4);
+    EXPECT_NEAR(test::massOf(*voxelize(ball, Coord(50, 33, 41), 0.05)) / mass, 1, 2e-4) << "any dims";
     const std::vector<SolidShape> drilled{box(1, Vec3(0), Vec3(0.75)), cylinder(-1, Vec3(0, 0.1, 0.1), 0, 0.3, 0.75)};
-    EXPECT_NEAR(massOf(*voxelize(drilled, Coord(64), 2.0 / 64)), 1.5 * (2.25 - kPi * 0.09), 1e-3);
+    EXPECT_NEAR(test::massOf(*voxelize(drilled, Coord(64), 2.0 / 64)), 1.5 * (2.25 - kPi * 0.09), 1e-3);
 }
 
 TEST(SolidShapes, AVoxelIsTheMeanOfItsInside) {
