@@ -51,6 +51,14 @@ std::string optionFor(const std::string& field) {
     return option;
 }
 
+/// `text`, which may begin with a field of the library's options, with that called as typed, if `command` has such an
+/// option.
+std::string asTyped(const CLI::App& command, std::string text, const std::string& field) {
+    const std::string option = optionFor(field);
+    const bool isOption = !field.empty() && text.rfind(field, 0) == 0 && command.get_option_no_throw(option);
+    return isOption ? text.replace(0, field.size(), option) : text;
+}
+
 }  // namespace
 
 std::string inWordsOf(const CLI::App& command, const Error& error) {
@@ -58,20 +66,16 @@ std::string inWordsOf(const CLI::App& command, const Error& error) {
     for (const Hint& hint : kHints)
         if (hint.remedy == error.remedy && hint.command == command.get_name())
             text.insert(error.remedyAt, filledIn(hint.text, error.subject));
-    const std::string option = "--" + error.subject;
-    const bool isField = !error.subject.empty() && command.get_option_no_throw(option);
-    return isField && text.rfind(error.subject + ": ", 0) == 0 ? "--" + text : text;
+    return asTyped(command, text, error.subject);
 }
 
 void requireValid(const CLI::App& command, const std::function<void()>& validate) {
     try {
         validate();
     } catch (const InvalidArgument& e) {
-        std::string text = e.what();
+        const std::string text = e.what();
         const std::string field = text.substr(0, text.find_first_of(" :["));  // messages begin with it
-        const std::string option = optionFor(field);
-        if (command.get_option_no_throw(option)) text.replace(0, field.size(), option);
-        throw CLI::ValidationError(text);
+        throw CLI::ValidationError(asTyped(command, text, field));
     }
 }
 

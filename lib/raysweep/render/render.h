@@ -55,9 +55,9 @@ struct RenderResult {
     bool complete = true;  ///< false when stopped by the progress callback: the pixels not yet reached are 0
 };
 
-/// Emission and absorption along each pixel's rays (Dachille, Mueller, Kaufman 2000, section 2.3; S
-/// stands for the power that they store in voxels, see docs/illumination.md), with density and S interpolated linearly
-/// between voxel centres (paper, eq. 1; docs/illumination.md, eq. L1):
+/// Emission and absorption along each pixel's rays (Dachille, Mueller, Kaufman 2000, section 2.3; S stands for the
+/// power that they store in voxels, see docs/illumination.md), with density and S interpolated linearly between voxel
+/// centres (paper, eq. 1; docs/illumination.md, eq. L1):
 ///
 ///     L = integral of S(s) sigma(s) T(s) ds + T(end) background,   T(s) = exp(-integral of sigma from the eye to s)
 ///       = sum over steps, front to back, of S T (1 - exp(-sigma ds)) + T background
