@@ -26,13 +26,13 @@ HWY_INLINE Vec inverseEscapeAt(const ExchangeConstants& constants, const PackedN
 template <bool kThinOnly>
 void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
             const PackedNormal* normals, std::size_t b) {
-    const ShotRule rule(constants);
+    const ExchangeRule rule(constants);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
         const Vec inverse = inverseEscapeAt(constants, normals, i, tau);
         const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, rule.part));
         VoxelSurfaces surfaces;
-        if (normals) surfaces = voxelSurfaces(constants, normals + i, tau);
+        if (normals) surfaces = voxelSurfaces(rule, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
             if (rule.paper && !normals) {  // no need of the terms

@@ -71,22 +71,25 @@ HWY_INLINE Vec thinOpacityOverDepth(Vec x) {
     return series;
 }
 
-/// What both models have in common, so that kernels are compiled once: each is a choice of numbers.
+/// What both models have in common, so that kernels are compiled once: each is a choice of numbers. Not the escape
+/// probability, which is found once for a brick.
 ///
 ///     out / U = min(most, part / p alpha / (s len))
 ///
 /// `paper` shoots zeta whatever the voxel: there p = 1, `most` is zeta, and `part` so large that the other side of the
 /// minimum is never less.
-struct ShotRule {
+struct ExchangeRule {
     static constexpr float kAnyPart = 1e30f;  ///< times 1 / (s len) of the thickest voxel it is far above 1
     float part, most;
     float ofSurface;  ///< out / U of a surface is this times the cosine
+    float solidTau;   ///< see ExchangeConstants
     bool paper;
 
-    explicit ShotRule(const ExchangeConstants& constants)
+    explicit ExchangeRule(const ExchangeConstants& constants)
         : part(constants.zeta),
           most(constants.mostShot),
           ofSurface(std::min(constants.mostShot, 4 * constants.zeta)),
+          solidTau(constants.solidTau),
           paper(constants.model == ExchangeModel::paper) {
         if (!paper) return;
         part = kAnyPart;
@@ -103,7 +106,7 @@ HWY_INLINE Vec inverseEscape(const ExchangeConstants& constants, Vec tau) {
 /// Terms of voxels without a surface. With `kThinOnly` tau `stepScale` is at most kThin, and a polynomial does.
 /// @param shotPart `part` / p
 template <bool kThinOnly>
-HWY_INLINE VoxelTerms voxelTerms(const ShotRule& rule, float stepScale, Vec tau, Vec shotPart) {
+HWY_INLINE VoxelTerms voxelTerms(const ExchangeRule& rule, float stepScale, Vec tau, Vec shotPart) {
     const Vec along = hn::Mul(tau, hn::Set(kLanes, stepScale));
     VoxelTerms terms;
     Vec perDepth;  // opacity / along
@@ -143,19 +146,19 @@ struct VoxelSurfaces {
     Vec normal[3];
 };
 
-HWY_INLINE VoxelSurfaces voxelSurfaces(const ExchangeConstants& constants, const PackedNormal* normals, Vec tau) {
+HWY_INLINE VoxelSurfaces voxelSurfaces(const ExchangeRule& rule, const PackedNormal* normals, Vec tau) {
     const hn::RebindToSigned<Lanes> kWholes;
     const auto packed = hn::BitCast(kWholes, hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
     VoxelSurfaces surfaces;
     surfaces.surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
     surfaces.present = hn::And(surfaces.surface, hn::Gt(tau, hn::Zero(kLanes)));
-    surfaces.solid = hn::Or(surfaces.present, hn::Ge(tau, hn::Set(kLanes, constants.solidTau)));
+    surfaces.solid = hn::Or(surfaces.present, hn::Ge(tau, hn::Set(kLanes, rule.solidTau)));
     for (int axis = 0; axis < 3; ++axis) surfaces.normal[axis] = normalComponent(packed, axis);
     return surfaces;
 }
 
 /// Changes the terms of voxels that have a surface, for rays that travel along `direction`.
-HWY_INLINE VoxelSolids applySurfaces(const ShotRule& rule, const Vec3& direction, const VoxelSurfaces& surfaces,
+HWY_INLINE VoxelSolids applySurfaces(const ExchangeRule& rule, const Vec3& direction, const VoxelSurfaces& surfaces,
                                      VoxelTerms& terms) {
     Vec cosine = hn::Zero(kLanes);
     for (int axis = 0; axis < 3; ++axis)
