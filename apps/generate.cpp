@@ -1,4 +1,5 @@
 /// raysweep generate: volumes made from nothing.
+#include "hints.h"
 #include "scan_options.h"
 
 #include "raysweep/core/error.h"
@@ -162,11 +163,7 @@ void completeOptions(GenerateOptions& options, const CLI::App& command) {
         const std::vector<int> slices = parseWhole(options.slices, "--crop-slices", 2, -kFar, kFar, "0,109");
         options.room.slices = {slices[0], slices[1]};
     }
-    try {
-        if (options.kind == kRoom) options.room.validate();
-    } catch (const InvalidArgument& e) {
-        usageError(kRoom, e.what());
-    }
+    if (options.kind == kRoom) requireValid(command, [&] { options.room.validate(); });
 }
 
 void runGenerate(const GenerateOptions& options) {

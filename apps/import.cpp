@@ -1,5 +1,6 @@
 /// raysweep import: volumes of other programs become sparse grids.
 #include "cli.h"
+#include "hints.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
@@ -89,7 +90,7 @@ RawLayout rawLayout(const Arguments& a) {
 }
 
 /// Everything that can be said to be wrong before a file is read.
-void completeOptions(Arguments& a) {
+void completeOptions(Arguments& a, const CLI::App& command) {
     requireFileOutput(a.output);
     if (!a.dims.empty() || !a.type.empty()) {
         if (a.dims.empty()) usageError("--type", "needs --dims X,Y,Z as well");
@@ -105,11 +106,7 @@ void completeOptions(Arguments& a) {
     }
     a.options.normalization = kNormalizations.at(a.normalize);
     if (a.options.name.empty()) usageError("--name", "must not be empty");
-    try {
-        a.options.validate();
-    } catch (const InvalidArgument& e) {
-        usageError("import", e.what());
-    }
+    requireValid(command, [&] { a.options.validate(); });
 }
 
 void comment(const Arguments& a, const ImportedVolume& volume, double activeVoxels) {
@@ -168,8 +165,8 @@ void addImport(CLI::App& app, int& exitCode) {
                                            "or of pictures");
     const auto arguments = std::make_shared<Arguments>();
     addOptions(*command, *arguments);
-    command->callback([arguments, &exitCode] {
-        completeOptions(*arguments);
+    command->callback([arguments, command, &exitCode] {
+        completeOptions(*arguments, *command);
         exitCode = run(*arguments);
     });
 }

@@ -52,7 +52,7 @@ ReconstructionGrid turnedGrid(const ProjectionGeometry& geometry) {
     try {
         fitOrbit(geometry);
     } catch (const InvalidArgument&) {
-        throw InvalidArgument("the views are not those of a turn about an axis that is seen", Remedy::setSpacing);
+        throw InvalidArgument("the views are not those of a turn about an axis that is seen", Remedy::giveGrid);
     }
     return coveringGrid(geometry);
 }
@@ -73,7 +73,7 @@ void requireCubes(const openvdb::FloatGrid& frame) {
     std::ostringstream message;
     message << "the voxels of the initial or reference volume are no cubes, but " << edges[0] << " x " << edges[1]
             << " x " << edges[2] << ", so they do not say where to reconstruct";
-    throw InvalidArgument(message.str(), Remedy::setSpacing);
+    throw InvalidArgument(message.str(), Remedy::giveGrid);
 }
 
 /// @param asked what of the grid is not the frame's

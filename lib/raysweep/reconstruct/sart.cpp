@@ -219,7 +219,7 @@ void SartOptions::validate() const {
     requireField(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "between 0 and 2");
     requireField(relaxationDecay >= 0 && std::isfinite(relaxationDecay), "relaxationDecay", relaxationDecay,
                  "0 or more, and finite");
-    requireField(lower <= upper, "lower", lower, "at most upper");
+    requireField(lower <= upper, "lower", lower, "at most `upper`");
     requireField(!(lower > 0) && !(upper < 0), "bounds around", 0, "such that voxels can be 0");
     requireField(totalVariation >= 0 && totalVariation < 1, "totalVariation", totalVariation, "in [0,1)");
     requireField(stopResidual >= 0, "stopResidual", stopResidual, "0 or more");
