@@ -79,7 +79,7 @@ void addOptions(CLI::App& app, Arguments& a) {
 
 RawLayout rawLayout(const Arguments& a) {
     RawLayout raw;
-    const std::vector<int> dims = parseWhole(a.dims, "--dims", 3, 1, 1 << 20, "256,256,128");
+    const std::vector<int> dims = parseWhole(a.dims, "--dims", 3, {1, 1 << 20}, "256,256,128");
     raw.dims = Index3(dims[0], dims[1], dims[2]);
     const auto type = sampleTypeOf(a.type);
     if (!type) usageError("--type", "'" + a.type + "' is not known; give one of " + sampleTypeNames());
@@ -101,7 +101,7 @@ void completeOptions(Arguments& a, const CLI::App& command) {
     }
     if (!a.spacing.empty()) a.options.spacing = parseVec3(a.spacing, "--spacing");
     if (!a.crop.empty()) {
-        const std::vector<int> c = parseWhole(a.crop, "--crop", 6, 0, 1 << 20, "0,0,9,255,255,118");
+        const std::vector<int> c = parseWhole(a.crop, "--crop", 6, {0, 1 << 20}, "0,0,9,255,255,118");
         a.options.crop = IndexBox{Index3(c[0], c[1], c[2]), Index3(c[3], c[4], c[5])};
     }
     a.options.normalization = kNormalizations.at(a.normalize);

@@ -35,7 +35,7 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
         if (normals) surfaces = voxelSurfaces(rule, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
-            if (rule.paper && !normals) {  // no need of the terms
+            if (rule.asPrinted && !normals) {  // no need of the terms
                 shot = hn::Add(shot, hn::Set(kLanes, rule.most));
                 continue;
             }
@@ -95,11 +95,8 @@ void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, c
     HWY_DYNAMIC_DISPATCH(settleDispatched)(beams, fields, constants, b);
 }
 
-void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,
+void effectiveAlbedos(const ExchangeConstants& constants, const PackedNormal* normals, const float* tau,
                       const float* albedo, float* g) {
-    ExchangeConstants constants;
-    constants.model = model;
-    constants.escape = escape;
     HWY_DYNAMIC_DISPATCH(effectiveAlbedosDispatched)(constants, normals, tau, albedo, g);
 }
 

@@ -76,22 +76,22 @@ HWY_INLINE Vec thinOpacityOverDepth(Vec x) {
 ///
 ///     out / U = min(most, part / p alpha / (s len))
 ///
-/// `paper` shoots zeta whatever the voxel: there p = 1, `most` is zeta, and `part` so large that the other side of the
-/// minimum is never less.
+/// As printed the algorithm shoots zeta whatever the voxel: there p = 1, `most` is zeta, and `part` so large that the
+/// other side of the minimum is never less.
 struct ExchangeRule {
     static constexpr float kAnyPart = 1e30f;  ///< times 1 / (s len) of the thickest voxel it is far above 1
     float part, most;
     float ofSurface;  ///< out / U of a surface is this times the cosine
     float solidTau;   ///< see ExchangeConstants
-    bool paper;
+    bool asPrinted;
 
     explicit ExchangeRule(const ExchangeConstants& constants)
         : part(constants.zeta),
           most(constants.mostShot),
           ofSurface(std::min(constants.mostShot, 4 * constants.zeta)),
           solidTau(constants.solidTau),
-          paper(constants.model == ExchangeModel::paper) {
-        if (!paper) return;
+          asPrinted(constants.model == ExchangeModel::asPrinted) {
+        if (!asPrinted) return;
         part = kAnyPart;
         most = ofSurface = std::min(constants.mostShot, constants.zeta);
     }
@@ -99,7 +99,7 @@ struct ExchangeRule {
 
 /// 1 / p, with p the escape probability.
 HWY_INLINE Vec inverseEscape(const ExchangeConstants& constants, Vec tau) {
-    if (constants.model == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
+    if (constants.model == ExchangeModel::asPrinted) return hn::Set(kLanes, 1.0f);
     return hn::Mul(polynomial(tau, constants.escape.a), reciprocal(polynomial(tau, constants.escape.b)));
 }
 
@@ -165,7 +165,7 @@ HWY_INLINE VoxelSolids applySurfaces(const ExchangeRule& rule, const Vec3& direc
         cosine = hn::MulAdd(surfaces.normal[axis], hn::Set(kLanes, float(direction[axis]) / kPackedSteps), cosine);
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
     Vec taken = terms.opacity;
-    if (rule.paper) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
+    if (rule.asPrinted) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
     terms.opacity = hn::IfThenElse(surfaces.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
     terms.shot = hn::IfThenElse(
         surfaces.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, rule.ofSurface)), terms.shot);
