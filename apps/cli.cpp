@@ -127,8 +127,9 @@ std::vector<double> parseNumbers(const std::string& text, const std::string& opt
     return numbers;
 }
 
-std::vector<int> parseWhole(const std::string& text, const std::string& option, std::size_t count, int low, int high,
-                            const std::string& example) {
+std::vector<int> parseWhole(const std::string& text, const std::string& option, std::size_t count,
+                            const WholeRange& range, const std::string& example) {
+    const auto [low, high] = range;
     std::vector<int> whole;
     for (const double number : parseNumbers(text, option, count, count, example)) {
         if (number != std::floor(number) || number < low || number > high)

@@ -24,9 +24,12 @@ namespace raysweep::apps {
 std::vector<double> parseNumbers(const std::string& text, const std::string& option, std::size_t least,
                                  std::size_t most, const std::string& example);
 
-/// `count` whole numbers from `low` to `high`, separated by commas.
-std::vector<int> parseWhole(const std::string& text, const std::string& option, std::size_t count, int low, int high,
-                            const std::string& example);
+/// From the first to the second, both included.
+using WholeRange = std::pair<int, int>;
+
+/// `count` whole numbers within `range`, separated by commas.
+std::vector<int> parseWhole(const std::string& text, const std::string& option, std::size_t count,
+                            const WholeRange& range, const std::string& example);
 
 /// One number, finite. `text` must hold nothing else.
 double parseNumber(const std::string& text, const std::string& option, const std::string& example);

@@ -1,13 +1,13 @@
 /// raysweep ct: a volume from its X-rays.
 #include "ct_options.h"
 #include "plot.h"
-#include "slices.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/middle_slices.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/voxel_check.h"
 

@@ -117,7 +117,7 @@ void completeScan(CtArguments& a) {
     }
     completeScanOptions(a.geometry);
     if (!a.rows.empty()) {
-        const std::vector<int> ends = parseWhole(a.rows, "--rows", 2, 0, 1 << 20, "100,199");
+        const std::vector<int> ends = parseWhole(a.rows, "--rows", 2, {0, 1 << 20}, "100,199");
         a.scan.rows = RowRange{ends[0], ends[1]};
     }
     a.scan.geometry = a.geometry.options;
@@ -151,7 +151,7 @@ void completeReconstruction(CtArguments& a) {
     options.fbp.nonNegative = a.nonNegative;
     options.fbp.tolerance = float(options.sart.tolerance);
     if (!a.size.empty()) {
-        const std::vector<int> size = parseWhole(a.size, "--size", 3, 1, kMostVoxelsAlong, "256,256,110");
+        const std::vector<int> size = parseWhole(a.size, "--size", 3, {1, kMostVoxelsAlong}, "256,256,110");
         options.grid.dims = Index3(size[0], size[1], size[2]);
     }
     if (!a.center.empty()) options.grid.center = parseVec3(a.center, "--volume-center");

@@ -1,4 +1,5 @@
 /// raysweep generate: volumes made from nothing.
+#include "hints.h"
 #include "scan_options.h"
 
 #include "raysweep/core/error.h"
@@ -40,7 +41,7 @@ const std::map<std::string, Maker> kMakers = {{"box", makeBox},
                                               {"sphere", makeSphere}};
 
 openvdb::Coord parseDims(const std::string& text) {
-    const std::vector<int> dims = parseWhole(text, "--dims", 3, 1, 4096, "64,32,16");
+    const std::vector<int> dims = parseWhole(text, "--dims", 3, {1, 4096}, "64,32,16");
     return openvdb::Coord(dims[0], dims[1], dims[2]);
 }
 
@@ -159,14 +160,10 @@ void completeOptions(GenerateOptions& options, const CLI::App& command) {
     if (command.count("--size") > 0) options.room.size = options.phantom.size;
     if (!options.slices.empty()) {
         constexpr int kFar = 1 << 24;
-        const std::vector<int> slices = parseWhole(options.slices, "--crop-slices", 2, -kFar, kFar, "0,109");
+        const std::vector<int> slices = parseWhole(options.slices, "--crop-slices", 2, {-kFar, kFar}, "0,109");
         options.room.slices = {slices[0], slices[1]};
     }
-    try {
-        if (options.kind == kRoom) options.room.validate();
-    } catch (const InvalidArgument& e) {
-        usageError(kRoom, e.what());
-    }
+    if (options.kind == kRoom) requireValid(command, [&] { options.room.validate(); });
 }
 
 void runGenerate(const GenerateOptions& options) {

@@ -19,6 +19,8 @@ constexpr Hint kHints[] = {
     {Remedy::describeSamples, "import", "; if it holds nothing but samples, give --dims X,Y,Z and --type"},
     {Remedy::fillLevelSet, "light", "use --from-level-set to fill its inside with density 1, or "},
     {Remedy::giveExtinction, "render", "; give --extinction"},
+    {Remedy::giveGrid, "ct", "; give --size and --spacing"},
+    {Remedy::giveSpacing, "import", "; if only the spacing is wrong, give --spacing X,Y,Z"},
     {Remedy::isNoLevelSet, "light", "; leave out --from-level-set"},
     {Remedy::isVolumeAlready, "import", "; 'raysweep light' takes it as it is"},
     {Remedy::keepVoxels, "render", "; light it without --upsample"},
@@ -27,8 +29,6 @@ constexpr Hint kHints[] = {
     {Remedy::mapValues, "generate", "; import it with --normalize, or --scale and --offset"},
     {Remedy::repairVoxels, "import", kRepair},
     {Remedy::repairVoxels, "light", kRepair},
-    {Remedy::setSpacing, "ct", "; give --size and --spacing"},
-    {Remedy::setSpacing, "import", "; if only the spacing is wrong, give --spacing X,Y,Z"},
     {Remedy::spaceSlicesByNumber, "import", "; give --spacing X,Y,Z to take the images in the order of their numbers"},
     {Remedy::spaceSlicesEvenly, "import", " --spacing X,Y,Z takes them as equally spaced"},
     {Remedy::useOriginal, "export", kExported},
@@ -51,12 +51,23 @@ std::string optionFor(const std::string& field) {
     return option;
 }
 
-/// `text`, which may begin with a field of the library's options, with that called as typed, if `command` has such an
-/// option.
+/// The option of `command` that a field is typed as, "" if there is none.
+std::string typedAs(const CLI::App& command, const std::string& field) {
+    const std::string option = field.empty() ? "" : optionFor(field);
+    return !option.empty() && command.get_option_no_throw(option) ? option : "";
+}
+
+/// `text` with the fields of the library's options called as typed: `field`, where it begins with that, and all that
+/// are between backticks.
 std::string asTyped(const CLI::App& command, std::string text, const std::string& field) {
-    const std::string option = optionFor(field);
-    const bool isOption = !field.empty() && text.rfind(field, 0) == 0 && command.get_option_no_throw(option);
-    return isOption ? text.replace(0, field.size(), option) : text;
+    for (std::size_t open = text.find('`'); open != std::string::npos; open = text.find('`', open + 1)) {
+        const std::size_t close = text.find('`', open + 1);
+        if (close == std::string::npos) break;
+        const std::string option = typedAs(command, text.substr(open + 1, close - open - 1));
+        if (!option.empty()) text.replace(open, close + 1 - open, option);
+    }
+    const std::string option = text.rfind(field, 0) == 0 ? typedAs(command, field) : "";
+    return option.empty() ? text : text.replace(0, field.size(), option);
 }
 
 }  // namespace

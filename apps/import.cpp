@@ -1,5 +1,6 @@
 /// raysweep import: volumes of other programs become sparse grids.
 #include "cli.h"
+#include "hints.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
@@ -78,7 +79,7 @@ void addOptions(CLI::App& app, Arguments& a) {
 
 RawLayout rawLayout(const Arguments& a) {
     RawLayout raw;
-    const std::vector<int> dims = parseWhole(a.dims, "--dims", 3, 1, 1 << 20, "256,256,128");
+    const std::vector<int> dims = parseWhole(a.dims, "--dims", 3, {1, 1 << 20}, "256,256,128");
     raw.dims = Index3(dims[0], dims[1], dims[2]);
     const auto type = sampleTypeOf(a.type);
     if (!type) usageError("--type", "'" + a.type + "' is not known; give one of " + sampleTypeNames());
@@ -89,7 +90,7 @@ RawLayout rawLayout(const Arguments& a) {
 }
 
 /// Everything that can be said to be wrong before a file is read.
-void completeOptions(Arguments& a) {
+void completeOptions(Arguments& a, const CLI::App& command) {
     requireFileOutput(a.output);
     if (!a.dims.empty() || !a.type.empty()) {
         if (a.dims.empty()) usageError("--type", "needs --dims X,Y,Z as well");
@@ -100,16 +101,12 @@ void completeOptions(Arguments& a) {
     }
     if (!a.spacing.empty()) a.options.spacing = parseVec3(a.spacing, "--spacing");
     if (!a.crop.empty()) {
-        const std::vector<int> c = parseWhole(a.crop, "--crop", 6, 0, 1 << 20, "0,0,9,255,255,118");
+        const std::vector<int> c = parseWhole(a.crop, "--crop", 6, {0, 1 << 20}, "0,0,9,255,255,118");
         a.options.crop = IndexBox{Index3(c[0], c[1], c[2]), Index3(c[3], c[4], c[5])};
     }
     a.options.normalization = kNormalizations.at(a.normalize);
     if (a.options.name.empty()) usageError("--name", "must not be empty");
-    try {
-        a.options.validate();
-    } catch (const InvalidArgument& e) {
-        usageError("import", e.what());
-    }
+    requireValid(command, [&] { a.options.validate(); });
 }
 
 void comment(const Arguments& a, const ImportedVolume& volume, double activeVoxels) {
@@ -168,8 +165,8 @@ void addImport(CLI::App& app, int& exitCode) {
                                            "or of pictures");
     const auto arguments = std::make_shared<Arguments>();
     addOptions(*command, *arguments);
-    command->callback([arguments, &exitCode] {
-        completeOptions(*arguments);
+    command->callback([arguments, command, &exitCode] {
+        completeOptions(*arguments, *command);
         exitCode = run(*arguments);
     });
 }

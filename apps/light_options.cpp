@@ -23,14 +23,16 @@ const std::map<std::string, double> kQualities = {{"draft", 0.03}, {"preview", 0
 
 const char* const kDefaultAlbedo = "0.9";
 
+/// The default is what `value` is.
 template <class Value>
-void addChoice(CLI::App& app, const std::string& name, Value& value, const std::map<std::string, Value>& choices,
-               const std::string& shownDefault, const std::string& shownChoices, const std::string& help) {
-    app.add_option_function<std::string>(
-           name, [&value, &choices](const std::string& text) { value = choices.at(text); }, help)
+CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
+                       const std::map<std::string, Value>& choices, const std::string& help) {
+    const auto isDefault = [&](const auto& choice) { return choice.second == value; };
+    return app
+        .add_option_function<std::string>(
+            name, [&value, &choices](const std::string& text) { value = choices.at(text); }, help)
         ->check(CLI::IsMember(choices).description(""))
-        ->type_name(shownChoices)
-        ->default_str(shownDefault);
+        ->default_str(std::find_if(choices.begin(), choices.end(), isDefault)->first);
 }
 
 void addMediumOptions(CLI::App& app, LightArguments& a) {
@@ -87,9 +89,10 @@ void addLightSourceOptions(CLI::App& app, LightArguments& a) {
 void addSolverOptions(CLI::App& app, LightArguments& a) {
     app.option_defaults()->group("Solver");
     IlluminateOptions& o = a.options;
-    addChoice(app, "--exchange", o.exchange, kExchanges, "auto", "auto|medium|surface|paper",
+    addChoice(app, "--exchange", o.exchange, kExchanges,
               "What voxels and rays exchange; auto: surfaces in solids (--ramp, --transfer, level sets), else medium; "
-              "paper: Algorithm 1 as printed");
+              "paper: Algorithm 1 as printed")
+        ->type_name("auto|medium|surface|paper");
     app.add_option("--surface-threshold", o.surfaceThreshold,
                    "A voxel of a solid is a surface where opacity changes by more than this per voxel, (0,1]")
         ->capture_default_str();
@@ -120,15 +123,16 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
         ->capture_default_str();
     app.add_flag("--dark-start", o.darkStart,
                  "Do not begin (and end) with a solution on voxels twice as long, as media do");
-    addChoice(app, "--interpolation", o.interpolation, kInterpolations, "nearest", "nearest|linear",
-              "How rays and voxels meet");
-    addChoice(app, "--remaining", o.remaining, kRemaining, "shoot", "shoot|drop|spread",
-              "What becomes of light that is still under way after the last sweep");
+    addChoice(app, "--interpolation", o.interpolation, kInterpolations, "How rays and voxels meet")
+        ->type_name("nearest|linear");
+    addChoice(app, "--remaining", o.remaining, kRemaining,
+              "What becomes of light that is still under way after the last sweep")
+        ->type_name("shoot|drop|spread");
     app.add_option("--unshot", o.unshotShare,
                    "--remaining shoot ends when less than this part of all light is under way")
         ->capture_default_str();
-    addChoice(app, "--directions", o.directions, kDirectionSets, "fibonacci", "fibonacci|random|low-discrepancy",
-              "How sweep directions are chosen");
+    addChoice(app, "--directions", o.directions, kDirectionSets, "How sweep directions are chosen")
+        ->type_name("fibonacci|random|low-discrepancy");
     app.add_option("--batch", o.batch,
                    "Directions of the first Fibonacci batch; each later one is as large as all before it")
         ->capture_default_str();

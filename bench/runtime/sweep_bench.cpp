@@ -94,7 +94,7 @@ void sweepBench(benchmark::State& bench, Volume volume, Interpolation interpolat
             for (const Vec3& direction : directions.nextGroup(beamCount)) {
                 const int reach = interpolation == Interpolation::linear ? 1 : 0;
                 beams.push_back(darkBeam(state->medium, parallelFront(state->medium.volume.layout, direction, reach,
-                                                                      0.3, 0.7, state->medium.volume.periodic)));
+                                                                      {0.3, 0.7}, state->medium.volume.periodic)));
                 for (float& power : beams.back().entering) power = 1;
             }
         } while (int(beams.size()) < beamCount || (major < 3 && beams[0].front.axis.major != major));

@@ -46,6 +46,7 @@
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/middle_slices.h"
 #include "raysweep/volume/resample.h"
 #include "raysweep/volume/similarity.h"
 #include "raysweep/volume/solid.h"

@@ -281,7 +281,10 @@ refused 2 "--relaxation 2.5: must be" p.mha $out --parallel --relaxation 2.5
 refused 2 "--subset: is for os-sart" p.mha $out --parallel --subset 3
 refused 2 "--iterations: is for iterative methods" p.mha $out --parallel --method fbp --iterations 3
 refused 2 "'fpb' must be a .vdb file, or fbp" p.mha $out --parallel --initial fpb
-refused 2 "--dark: needs flat as well" counts.mha $out --parallel --dark dark.mha
+refused 2 "--dark: needs --flat as well" counts.mha $out --parallel --dark dark.mha
+refused 2 "--rows: of a cone need --center-row as well" cone.h5 $out --cone 120,180 --rows 0,1
+refused 2 "--flat: HDF5 files hold their own frames" scan.h5 $out --flat flat.mha
+refused 2 "must be at most --upper" p.mha $out --parallel --nonnegative --upper=-1
 refused 2 "--rows: only of HDF5 files" p.mha $out --parallel --rows 0,1
 refused 2 "auto is for parallel beams" c.mha $out --cone 120,180 --axis-column auto
 refused 2 "must end in .png or .exr" p.mha $out --parallel --slices a.jpg

@@ -78,9 +78,9 @@ expect_exit 0 "$make_volume" negative negative.vdb
 expect_exit 1 $room --volume negative.vdb -o bad.vdb
 expect_match "are no densities; import it with --normalize, or --scale and --offset"
 expect_exit 2 $room -o bad.vdb --size 20
-expect_match "size 20: must be in ["
+expect_match "--size 20: must be in ["
 expect_exit 2 $room -o bad.vdb --wall 1
-expect_match "wall 1: must be in [2,64]"
+expect_match "--wall 1: must be in [2,64]"
 expect_exit 2 $room -o bad.vdb --crop-slices 5
 expect_exit 2 $room -o bad.vdb --crop-slices 5,9
 expect_match "--volume"

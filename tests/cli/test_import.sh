@@ -132,7 +132,9 @@ expect_match "uint16"
 expect_exit 2 "$raysweep" import a.raw -o bad.vdb --dims 4,4.5,5 --type uint8
 expect_exit 2 "$raysweep" import a.nrrd -o bad.vdb --big-endian
 expect_exit 2 "$raysweep" $raw -o bad.vdb --tolerance=-1
+expect_match "--tolerance -1: must be finite"
 expect_exit 2 "$raysweep" $raw -o bad.vdb --spacing 1,0,1
+expect_match "--spacing 0: must be larger than 0"
 expect_exit 2 "$raysweep" $raw -o bad.vdb --crop 2,0,0,1,3,3
 expect_exit 2 "$raysweep" $raw -o bad.vdb --normalize half
 expect_exit 0 "$raysweep" import --help

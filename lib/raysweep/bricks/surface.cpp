@@ -12,22 +12,21 @@ namespace {
 constexpr int kBits = 10;
 constexpr PackedNormal kComponent = (1u << kBits) - 1, kPresent = 1u << (3 * kBits);
 
-/// @return true if the brick has a surface voxel
-bool findInBrick(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
-                 double perVoxel, double threshold, std::size_t b, NormalBrick& normals) {
+/// @param opacity changed from tau to opacity  @return true if the brick has a surface voxel
+bool findInBrick(const BrickLayout& layout, PaddedBrick<float> opacity, const SurfaceCriterion& criterion,
+                 NormalBrick& normals) {
     const Matrix3 indexFromWorld = layout.worldFromIndex.inverse();
     const double edge = std::cbrt(layout.voxelVolume);
-    PaddedBrick<float> opacity(layout, map, periodic, b, [&](std::size_t n) { return tau.brick(n); });
     float* const values = &opacity.value[0][0][0];
     std::transform(values, values + sizeof opacity.value / sizeof *values, values,
-                   [&](float t) { return float(-std::expm1(-double(t) * perVoxel)); });
+                   [&](float t) { return float(-std::expm1(-double(t) * criterion.perVoxel)); });
     bool any = false;
     for (int i = 0; i < kBrickVoxels; ++i) {
         const Index3 v = voxelInBrick(i);
         if (opacity.at(v.x, v.y, v.z) == 0) continue;
         const Vec3 gradient = worldGradient(gradientAt(opacity, v.x, v.y, v.z), indexFromWorld);
         const double length = gradient.length();
-        if (!(length * edge > threshold)) continue;
+        if (!(length * edge > criterion.threshold)) continue;
         normals.normal[i] = packNormal(gradient / -length);
         any = true;
     }
@@ -54,7 +53,7 @@ Vec3 unpackNormal(PackedNormal normal) {
 }
 
 Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
-                      double perVoxel, double threshold) {
+                      const SurfaceCriterion& criterion) {
     const std::size_t bricks = layout.brickCount();
     Surfaces surfaces;
     surfaces.slots.assign(bricks, kNoSurface);
@@ -66,7 +65,8 @@ Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const Bric
         const std::size_t count = std::min(kPiece, bricks - begin);
         parallelFor(count, [&](std::size_t i) {
             found[i] = {};
-            any[i] = findInBrick(layout, map, tau, periodic, perVoxel, threshold, begin + i, found[i]);
+            const auto tauOf = [&](std::size_t n) { return tau.brick(n); };
+            any[i] = findInBrick(layout, {layout, map, periodic, begin + i, tauOf}, criterion, found[i]);
         });
         for (std::size_t i = 0; i < count; ++i) {
             if (!any[i]) continue;

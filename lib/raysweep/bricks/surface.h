@@ -35,11 +35,16 @@ struct Surfaces {
     }
 };
 
-/// Voxels that are not empty and where opacity (1 - exp(-tau `perVoxel`)) changes by more than `threshold` per voxel;
-/// the normal points to where it falls. Opacity and not extinction, because that is what a partly filled voxel has part
-/// of: the logarithm in extinction would let the fullest neighbour alone decide.
+/// Where opacity, 1 - exp(-tau `perVoxel`), changes by more than `threshold` per voxel there is a surface.
+struct SurfaceCriterion {
+    double perVoxel, threshold;
+};
+
+/// Voxels that are not empty and meet the criterion; the normal points to where opacity falls. Opacity and not
+/// extinction, because that is what a partly filled voxel has part of: the logarithm in extinction would let the
+/// fullest neighbour alone decide.
 Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
-                      double perVoxel, double threshold);
+                      const SurfaceCriterion& criterion);
 
 std::size_t countSurfaceVoxels(const Surfaces& surfaces);
 

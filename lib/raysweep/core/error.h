@@ -1,4 +1,6 @@
-/// The two ways a call can fail. A message says what was wrong, where, and what to do.
+/// The two ways a call can fail. A message says what was wrong, where, and what to do. One about a field of options
+/// begins with that, and other fields that it speaks of are between backticks ("dark: needs `flat` as well"), so that a
+/// program can call them as its users know them.
 #pragma once
 
 #include <cstddef>
@@ -15,6 +17,8 @@ enum class Remedy {
     describeSamples,      ///< say how many samples of which type a file without a header holds
     fillLevelSet,         ///< take the inside of a level set
     giveExtinction,       ///< say what the extinction is
+    giveGrid,             ///< say how many voxels there shall be, and how large
+    giveSpacing,          ///< say how far voxels are apart
     isNoLevelSet,         ///< do not ask for the inside of what is no level set
     isVolumeAlready,      ///< the file needs no import
     keepVoxels,           ///< light it without interpolating radiosity to other voxels
@@ -22,7 +26,6 @@ enum class Remedy {
     lightFirst,           ///< light the volume
     mapValues,            ///< map the values, for instance to [0,1], when they are imported
     repairVoxels,         ///< set such voxels to 0
-    setSpacing,           ///< give the spacing of voxels, and how many if nothing else says that
     spaceSlicesEvenly,    ///< give the spacing, and take slices as equally spaced
     spaceSlicesByNumber,  ///< give the spacing, and take slices in the order of their numbers
     useOriginal           ///< use the file that this one was made from

@@ -136,10 +136,11 @@ StoredVolume readImage(const DicomHeader& slice, const Silence& silence) {
     return image;
 }
 
-/// Puts `image` into its place in `volume`, which the first image makes.
-void place(StoredVolume&& image, const DicomHeader& slice, std::size_t n, std::size_t count, bool alike,
+/// Puts `image`, which is that of slice `n`, into its place in `volume`, which the first image makes.
+void place(StoredVolume&& image, const std::vector<DicomHeader>& slices, std::size_t n, bool alike,
            StoredVolume& volume) {
-    if (count == 1) {
+    const DicomHeader& slice = slices[n];
+    if (slices.size() == 1) {
         volume = std::move(image);
         return;
     }
@@ -147,7 +148,7 @@ void place(StoredVolume&& image, const DicomHeader& slice, std::size_t n, std::s
         throw InvalidArgument("'" + slice.file + "' holds " + std::to_string(image.dims.z) +
                               " images of its own; give that file alone");
     if (n == 0) {
-        volume.dims = Index3(image.dims.x, image.dims.y, int(count));
+        volume.dims = Index3(image.dims.x, image.dims.y, int(slices.size()));
         volume.type = alike ? image.type : SampleType::float32;
         volume.origin = image.origin;
         volume.steps = image.steps;
@@ -188,7 +189,7 @@ StoredVolume itkSeries(const std::vector<std::string>& files, const std::string&
     for (std::size_t n = 0; n < slices.size(); ++n) {
         volume.complete = report(progress, "reading", double(n) / double(slices.size()));
         if (!volume.complete) return volume;
-        place(readImage(slices[n], silence), slices[n], n, slices.size(), alike, volume);
+        place(readImage(slices[n], silence), slices, n, alike, volume);
     }
     if (positions && slices.size() > 1) volume.steps[2] = step;
     volume.format = "DICOM";

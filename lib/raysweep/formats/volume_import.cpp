@@ -41,7 +41,7 @@ void setSpacing(StoredVolume& volume, const std::optional<Vec3>& spacing) {
     if (!(std::abs(cross.dot(volume.steps[2])) > 1e-6 * lengths))  // the axes lie in one plane, or are no numbers
         throw InvalidArgument("the file's axes span no volume: steps (" + textOf(volume.steps[0]) + "), (" +
                                   textOf(volume.steps[1]) + "), (" + textOf(volume.steps[2]) + ")",
-                              Remedy::setSpacing);
+                              Remedy::giveSpacing);
     if (!std::isfinite(lengths + volume.origin.length()))
         throw InvalidArgument("the file's place, " + textOf(volume.origin) + ", is not finite");
 }

@@ -118,7 +118,7 @@ void CoarseLevel::forEachCoarseVoxel(const SolverState& fine, std::size_t b, con
 CoarseLevel::CoarseLevel(const SolverState& fine, std::vector<Index3> coarse)
     : state(coarseLayout(fine.medium.volume.layout, std::move(coarse)), {false, false, false},
             fine.medium.escape.scaled(kFactor)) {
-    state.medium.exchange = fine.medium.exchange;
+    state.medium.model = fine.medium.model;
     state.medium.channels = fine.medium.channels;
     state.power.unit = fine.power.unit;
     state.power.perInjection = fine.power.perInjection;

@@ -83,14 +83,14 @@ void addSeen(SolverState& state, const Visibility& visibility, const Color& powe
 
 /// In the paper's model all that is known of light on a surface is what was deposited.
 bool showsDirectLight(const SolverState& state) {
-    return state.solid.present && state.medium.exchange == ExchangeModel::consistent;
+    return state.solid.present && state.medium.model == ExchangeModel::corrected;
 }
 
 /// A sun's light comes down in one `linear` sweep that shoots nothing.
 void addSun(SolverState& state, const Sun& sun) {
     BrickField deposit(state.medium.volume.layout.brickCount());
     const RayFront front =
-        parallelFront(state.medium.volume.layout, sun.direction, 1, 0, 0, state.medium.volume.periodic);
+        parallelFront(state.medium.volume.layout, sun.direction, 1, {}, state.medium.volume.periodic);
     Beam beam = darkBeam(state.medium, front);
     beam.entering[0] = 1;
     ExchangeFields fields;
@@ -140,7 +140,7 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
 
 /// The part of power emitted in a voxel that leaves it.
 double emittedThatLeaves(const SolverState& state, double tau, double albedo, bool surface) {
-    if (surface || state.medium.exchange == ExchangeModel::paper) return 1;
+    if (surface || state.medium.model == ExchangeModel::asPrinted) return 1;
     return leavingShare(albedo, state.medium.escape.fit().probability(tau));
 }
 
@@ -240,7 +240,7 @@ Emitters addDirectLight(SolverState& state, const Scene& scene) {
     for (std::size_t i = 0; i < scene.quads.size(); ++i)
         emitters.voxels += addQuad(state, scene.quads[i], *state.solid.quadAreas[i]);
     // What the paper's model shows of any light is what it deposits.
-    if (!state.solid.surfaces.empty() && state.medium.exchange == ExchangeModel::paper) takeSourcesAsEmitted(state);
+    if (!state.solid.surfaces.empty() && state.medium.model == ExchangeModel::asPrinted) takeSourcesAsEmitted(state);
     return emitters;
 }
 

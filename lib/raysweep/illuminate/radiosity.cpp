@@ -11,16 +11,16 @@ namespace {
 
 /// Deposit over F in the surfaces' bricks.
 template <class DepositOf>
-BrickField metBySurfaces(const SolverState& state, int channel, const DepositOf& depositOf) {
-    BrickField met(state.solid.surfaces.bricks.size());
+BrickField receivedBySurfaces(const SolverState& state, int channel, const DepositOf& depositOf) {
+    BrickField received(state.solid.surfaces.bricks.size());
     parallelFor(state.medium.volume.layout.brickCount(), [&](std::size_t b) {
         if (!state.solid.surfaces.normals(b)) return;
         const BrickRadiance radiance(state, channel, b);
-        float* const to = met.brick(state.solid.surfaces.slots[b]);
+        float* const to = received.brick(state.solid.surfaces.slots[b]);
         for (int i = 0; i < kBrickVoxels; ++i)
             if (radiance.isSurface(i) && radiance.isKnown(i)) to[i] = float(depositOf(b, i) * radiance.perPower(i));
     });
-    return met;
+    return received;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
         return deposit * perInjection;
     };
     const BrickField even =
-        state.solid.furnace.empty() ? BrickField() : evenedOut(state, metBySurfaces(state, channel, depositOf));
+        state.solid.furnace.empty() ? BrickField() : evenedOut(state, receivedBySurfaces(state, channel, depositOf));
     const double unit = state.radianceUnit();
     parallelFor(
         bricks,
@@ -50,10 +50,10 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
                     continue;
                 }
                 const double perPower = radiance.perPower(i);
-                const double met = radiance.isSurface(i) && !even.empty()
-                                       ? double(even.brick(state.solid.surfaces.slots[b])[i])
-                                       : depositOf(b, i) * perPower;
-                S = float((radiance.scattered(i, met) + radiance.directly(i, perPower)) * unit);
+                const double received = radiance.isSurface(i) && !even.empty()
+                                            ? double(even.brick(state.solid.surfaces.slots[b])[i])
+                                            : depositOf(b, i) * perPower;
+                S = float((radiance.scattered(i, received) + radiance.directly(i, perPower)) * unit);
             }
         },
         16);

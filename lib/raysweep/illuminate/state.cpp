@@ -77,7 +77,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     BrickLayout layout = layoutBricks(grids, bytesPerVoxel(scene, options, plan));
     Escape escape(layout.worldFromIndex);
     SolverState state(std::move(layout), options.periodic, std::move(escape));
-    state.medium.exchange = options.exchange == Exchange::paper ? ExchangeModel::paper : ExchangeModel::consistent;
+    state.medium.model = options.exchange == Exchange::paper ? ExchangeModel::asPrinted : ExchangeModel::corrected;
     state.solid.threshold = options.surfaceThreshold;
     state.solid.present = plan.surfaces;
     state.medium.channels = plan.channels;
@@ -94,9 +94,9 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
         16);
 
     if (plan.surfaces)
-        state.solid.surfaces = findSurfaces(bricks, state.medium.volume.map, state.medium.tau, options.periodic,
-                                            std::cbrt(bricks.voxelVolume) / state.medium.escape.meanStepLength(),
-                                            options.surfaceThreshold);
+        state.solid.surfaces = findSurfaces(
+            bricks, state.medium.volume.map, state.medium.tau, options.periodic,
+            {std::cbrt(bricks.voxelVolume) / state.medium.escape.meanStepLength(), options.surfaceThreshold});
     state.solid.quadAreas = std::move(quadAreas);
     for (std::size_t i = 0; i < scene.quads.size(); ++i)
         addQuadNormals(state, scene.quads[i], *state.solid.quadAreas[i]);
@@ -142,7 +142,7 @@ ExchangeFields exchangeFields(SolverState& state, bool injecting) {
 }
 
 void effectiveAlbedos(const SolverState& state, int channel, std::size_t b, float* g) {
-    effectiveAlbedos(state.medium.exchange, state.medium.escape.fit(), state.solid.surfaces.normals(b),
+    effectiveAlbedos({state.medium.model, state.medium.escape.fit()}, state.solid.surfaces.normals(b),
                      state.medium.tau.brick(b), state.medium.albedoView(channel).brick(b), g);
 }
 
@@ -159,7 +159,7 @@ double sumOf(const BrickField& field) {
 
 ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int beams) {
     ExchangeConstants constants;
-    constants.model = state.medium.exchange;
+    constants.model = state.medium.model;
     constants.escape = state.medium.escape.fit();
     constants.zeta = float(zeta);
     // A hair less than its share where shares are rounded, so that together they never take more than there is.
@@ -172,7 +172,7 @@ ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int b
 Beam darkBeam(const MediumFields& medium, const RayFront& front) {
     Beam beam;
     beam.front = front;
-    const double length = medium.exchange == ExchangeModel::paper ? medium.voxelEdge() : front.stepLength;
+    const double length = medium.model == ExchangeModel::asPrinted ? medium.voxelEdge() : front.stepLength;
     beam.stepScale = float(length / medium.escape.meanStepLength());
     beam.furnaceRay = float(front.crossSection / medium.voxelFace());
     return beam;

@@ -20,7 +20,7 @@ struct MediumFields {
 
     SweepVolume volume;
     Escape escape;
-    ExchangeModel exchange = ExchangeModel::consistent;
+    ExchangeModel model = ExchangeModel::corrected;
     int channels = 1;
     BrickField tau;                   ///< extinction * mean step length
     BrickField albedo[kMaxChannels];  ///< one brick if uniform

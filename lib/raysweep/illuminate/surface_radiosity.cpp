@@ -60,12 +60,12 @@ bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_
 
 }  // namespace
 
-BrickField evenedOut(const SolverState& state, const BrickField& met) {
+BrickField evenedOut(const SolverState& state, const BrickField& received) {
     const BrickLayout& layout = state.medium.volume.layout;
     const auto ofSurfaces = [&](const BrickField& field, std::size_t b) {
         return state.solid.surfaces.normals(b) ? field.brick(state.solid.surfaces.slots[b]) : nullptr;
     };
-    BrickField even(met.brickCount());
+    BrickField even(received.brickCount());
     parallelFor(layout.brickCount(), [&](std::size_t b) {
         const PackedNormal* const own = state.solid.surfaces.normals(b);
         if (!own) return;
@@ -73,7 +73,7 @@ BrickField evenedOut(const SolverState& state, const BrickField& met) {
             return PaddedBrick<float>(layout, state.medium.volume.map, state.medium.volume.periodic, b,
                                       [&](std::size_t n) { return ofSurfaces(field, n); });
         };
-        const PaddedBrick<float> values = padded(met), weights = padded(state.solid.furnace);
+        const PaddedBrick<float> values = padded(received), weights = padded(state.solid.furnace);
         const PaddedBrick<PackedNormal> normals(layout, state.medium.volume.map, state.medium.volume.periodic, b,
                                                 [&](std::size_t n) { return state.solid.surfaces.normals(n); });
         float* const to = even.brick(state.solid.surfaces.slots[b]);

@@ -124,7 +124,7 @@ class Solver {
     Beam nextBeam(const Vec3& direction, Inject inject) {
         const int reach = options_.interpolation == Interpolation::linear ? 1 : 0;
         const double column = uniform01(offsets_), row = uniform01(offsets_);
-        Beam beam = darkBeam(state_.medium, parallelFront(state_.medium.volume.layout, direction, reach, column, row,
+        Beam beam = darkBeam(state_.medium, parallelFront(state_.medium.volume.layout, direction, reach, {column, row},
                                                           state_.medium.volume.periodic));
         if (inject == Inject::everything) setSky(beam, direction);
         return beam;

@@ -22,7 +22,7 @@ constexpr double kLeastSeen = 0.02;
 
 void absorbingAreas(const MediumFields& medium, std::size_t b, float* area) {
     const float* const tau = medium.tau.brick(b);
-    if (medium.exchange == ExchangeModel::paper) {
+    if (medium.model == ExchangeModel::asPrinted) {
         for (int i = 0; i < kBrickVoxels; ++i) area[i] = float(paperAbsorbingArea(medium, double(tau[i])));
         return;
     }
@@ -36,7 +36,7 @@ void absorbedShares(const SolverState& state, int channel, std::size_t b, double
     const float* const tau = state.medium.tau.brick(b);
     const float* const albedo = state.medium.albedoView(channel).brick(b);
     const PackedNormal* const normals = state.solid.surfaces.normals(b);
-    const bool scatterOnce = state.medium.exchange == ExchangeModel::paper;
+    const bool scatterOnce = state.medium.model == ExchangeModel::asPrinted;
     const EscapeFit& fit = state.medium.escape.fit();
     for (int i = 0; i < kBrickVoxels; ++i) {
         const double stays = 1 - double(albedo[i]);

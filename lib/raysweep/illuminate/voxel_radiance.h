@@ -46,8 +46,8 @@ class BrickRadiance {
         return seen_ ? double(seen_[i]) + double(emitted_[i]) * perPower : 0;
     }
 
-    /// The part that is scattered of the radiance that the voxel has met: its deposit over F.
-    double scattered(int i, double met) const { return double(g_[i]) * met; }
+    /// The part that is scattered of the radiance that the voxel has received: its deposit over F.
+    double scattered(int i, double received) const { return double(g_[i]) * received; }
 
   private:
     const SolverState& state_;

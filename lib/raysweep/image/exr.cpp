@@ -117,7 +117,7 @@ class ExrFile : public PictureFile {
         const std::size_t stride = names.size();
         Imf::FrameBuffer frame;
         for (std::size_t c = 0; c < stride; ++c)
-            insert(frame, number, names[c], whole(channels, names[c]) ? Imf::UINT : Imf::FLOAT, to + c, stride);
+            insert(frame, number, names[c], {whole(channels, names[c]) ? Imf::UINT : Imf::FLOAT, to + c, stride});
         read(number, frame);
         // Integers have been read into the floats' places.
         for (std::size_t c = 0; c < stride; ++c) {
@@ -133,7 +133,7 @@ class ExrFile : public PictureFile {
     void readSamples(int number, std::byte* to) override {
         const auto channel = file_.header(number).channels().begin();
         Imf::FrameBuffer frame;
-        insert(frame, number, channel.name(), channel.channel().type == Imf::UINT ? Imf::UINT : Imf::FLOAT, to, 1);
+        insert(frame, number, channel.name(), {channel.channel().type == Imf::UINT ? Imf::UINT : Imf::FLOAT, to, 1});
         read(number, frame);
     }
 
@@ -142,12 +142,17 @@ class ExrFile : public PictureFile {
         return channels[name.c_str()].type == Imf::UINT;
     }
 
-    /// A channel of four bytes whose samples begin at `to`, `stride` samples apart.
-    void insert(Imf::FrameBuffer& frame, int number, const std::string& name, Imf::PixelType type, void* to,
-                std::size_t stride) {
+    /// Where the samples of a channel go, four bytes each and `stride` samples apart.
+    struct Target {
+        Imf::PixelType type;
+        void* to;
+        std::size_t stride;
+    };
+
+    void insert(Imf::FrameBuffer& frame, int number, const std::string& name, const Target& target) {
         const Imath::Box2i& window = file_.header(number).dataWindow();
-        const std::size_t step = 4 * stride, row = step * std::size_t(page(number).width);
-        frame.insert(name, Imf::Slice::Make(type, to, window, step, row));
+        const std::size_t pixel = 4 * target.stride, row = pixel * std::size_t(page(number).width);
+        frame.insert(name, Imf::Slice::Make(target.type, target.to, window, pixel, row));
     }
 
     void read(int number, const Imf::FrameBuffer& frame) {
@@ -196,12 +201,12 @@ void writeExr(const std::string& path, const std::string& temporary, const Image
         allowThreads();
         Imf::Header header(image.width, image.height);
         Imf::FrameBuffer frame;
-        const std::size_t step = sizeof(float) * std::size_t(image.channels);
+        const std::size_t pixel = sizeof(float) * std::size_t(image.channels);
         for (int c = 0; c < image.channels; ++c) {
             const std::string name = channelName(c, image.channels);
             header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-            frame.insert(name, Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, header.dataWindow(), step,
-                                                step * std::size_t(image.width)));
+            frame.insert(name, Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, header.dataWindow(), pixel,
+                                                pixel * std::size_t(image.width)));
         }
         Imf::OutputFile file(temporary.c_str(), header);
         file.setFrameBuffer(frame);

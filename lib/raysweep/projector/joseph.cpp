@@ -73,9 +73,9 @@ DetectorColumn detectorColumn(const JosephView& view, const Index3& dims, int co
         line.pitch0 = -line.pitch1 * ray.point[axis];
         perRow = view.xray.row * view.worldFromVoxel / major;
     }
-    const Vec3 step = ray.direction * view.worldFromVoxel / major;
-    line.length0 = step.dot(step);
-    line.length1 = 2 * step.dot(perRow);
+    const Vec3 perSlice = ray.direction * view.worldFromVoxel / major;
+    line.length0 = perSlice.dot(perSlice);
+    line.length1 = 2 * perSlice.dot(perRow);
     line.length2 = perRow.dot(perRow);
     line.slices = slicesBeside(line.lateral0, line.lateral1, dims[lateral], dims[axis]);
     if (view.beam == BeamShape::cone)

@@ -70,18 +70,18 @@ constexpr int kAhead = 4;  ///< slices: how far ahead columns are asked for
 /// One column of voxels with zeros around it, and how much of the two columns beside the ray it covers.
 struct Scratch {
     explicit Scratch(int dimZ)
-        : column(std::size_t(dimZ) + 2 * RayImage::kMargin + kColumnChunk), steps(std::size_t(dimZ) + 1) {}
+        : column(std::size_t(dimZ) + 2 * RayImage::kMargin + kColumnChunk), jumps(std::size_t(dimZ) + 1) {}
     float* at(int z) { return column.data() + RayImage::kMargin + z; }
 
     std::vector<float> column;
-    std::vector<float> steps;
+    std::vector<float> jumps;
 };
 
 /// All rays of the detector column stay at their z: they sum whole columns, and are interpolated once, at the end.
 void projectLevel(const ColumnVolume& volume, const DetectorColumn& rays, Scratch& scratch,
                   ValuesAndWeights<float> to) {
     std::fill(scratch.column.begin(), scratch.column.end(), 0.0f);
-    std::fill(scratch.steps.begin(), scratch.steps.end(), 0.0f);
+    std::fill(scratch.jumps.begin(), scratch.jumps.end(), 0.0f);
     const ColumnsBeside columns(volume, rays);
     const int dimZ = volume.lattice().dims.z;
     WeightedColumn beside[2];
@@ -92,14 +92,14 @@ void projectLevel(const ColumnVolume& volume, const DetectorColumn& rays, Scratc
             if (!b.voxels) continue;
             addScaled(scratch.at(b.range.low), b.voxels, b.weight, b.range.length());
             // The sum of weights changes where a column begins and behind where it ends.
-            scratch.steps[std::size_t(b.range.low)] += b.weight;
-            scratch.steps[std::size_t(std::min(b.range.high, dimZ))] -= b.weight;
+            scratch.jumps[std::size_t(b.range.low)] += b.weight;
+            scratch.jumps[std::size_t(std::min(b.range.high, dimZ))] -= b.weight;
         }
     }
     const DetectorRows rows = rays.rows(0);
     addInterpolated(scratch.at(0), {0, dimZ}, rows, to.values);
     float sum = 0;
-    for (int z = 0; z < dimZ; ++z) *scratch.at(z) = sum += scratch.steps[std::size_t(z)];
+    for (int z = 0; z < dimZ; ++z) *scratch.at(z) = sum += scratch.jumps[std::size_t(z)];
     addInterpolated(scratch.at(0), {0, dimZ}, rows, to.weights);
 }
 

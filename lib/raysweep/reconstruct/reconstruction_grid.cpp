@@ -89,7 +89,7 @@ Vec3 middleSeen(const ProjectionGeometry& geometry, double spacing) {
 /// All that the detector sees, which nobody can know if it does not turn.
 ReconstructionGrid turnedGrid(const ProjectionGeometry& geometry) {
     if (!orbitOf(geometry))
-        throw InvalidArgument("the views are not those of a turn about an axis that is seen", Remedy::setSpacing);
+        throw InvalidArgument("the views are not those of a turn about an axis that is seen", Remedy::giveGrid);
     return coveringGrid(geometry);
 }
 
@@ -109,7 +109,7 @@ void requireCubes(const openvdb::FloatGrid& frame) {
     std::ostringstream message;
     message << "the voxels of the initial or reference volume are no cubes, but " << edges[0] << " x " << edges[1]
             << " x " << edges[2] << ", so they do not say where to reconstruct";
-    throw InvalidArgument(message.str(), Remedy::setSpacing);
+    throw InvalidArgument(message.str(), Remedy::giveGrid);
 }
 
 /// @param asked what of the grid is not the frame's

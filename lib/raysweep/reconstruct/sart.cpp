@@ -106,7 +106,7 @@ std::string howItGoes(const std::vector<SartPoint>& history) {
 /// How often total variation is lowered after a pass.
 constexpr int kVariationSteps = 10;
 
-/// What is to be met, and how.
+/// What is to be matched, and how.
 struct Problem {
     const Projections& projections;
     const ProjectionGeometry& geometry;
@@ -178,14 +178,14 @@ class Solver {
             sums += residual(rays_[n], projections_, views[n], leastLength_);
             prepareBackprojection(rays_[n], volume_.lattice().dims.z);
         }
-        const VoxelUpdate step{float(relaxation), float(options_.lower), float(options_.upper)};
+        const VoxelUpdate update{float(relaxation), float(options_.lower), float(options_.upper)};
         parallelFor(volume_.blockCount(), [&](std::size_t block) {
             const std::size_t count = volume_.voxelsOf(block);
             if (count == 0) return;
             thread_local std::vector<float> room;
             room.resize(2 * count);
             backprojectBlock(volume_, block, rays_, room.data(), room.data() + count);
-            updateVoxels(volume_.block(block), room.data(), room.data() + count, count, step);
+            updateVoxels(volume_.block(block), room.data(), room.data() + count, count, update);
         });
         return sums;
     }
@@ -219,7 +219,7 @@ void SartOptions::validate() const {
     requireField(relaxation > 0 && relaxation < 2, "relaxation", relaxation, "between 0 and 2");
     requireField(relaxationDecay >= 0 && std::isfinite(relaxationDecay), "relaxationDecay", relaxationDecay,
                  "0 or more, and finite");
-    requireField(lower <= upper, "lower", lower, "at most upper");
+    requireField(lower <= upper, "lower", lower, "at most `upper`");
     requireField(!(lower > 0) && !(upper < 0), "bounds around", 0, "such that voxels can be 0");
     requireField(totalVariation >= 0 && totalVariation < 1, "totalVariation", totalVariation, "in [0,1)");
     requireField(stopResidual >= 0, "stopResidual", stopResidual, "0 or more");

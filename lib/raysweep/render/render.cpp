@@ -31,20 +31,25 @@ Mat4d affineMatrix(const openvdb::GridBase& grid, const char* name) {
     return grid.transform().baseMap()->getAffineMap()->getMat4();
 }
 
+struct Pixel {
+    int x, y;
+    float* rgba;
+};
+
 template <class Marcher>
-void renderPixel(Marcher& marcher, const CameraFrame& frame, const RenderOptions& options, int x, int y, float* pixel) {
+void renderPixel(Marcher& marcher, const CameraFrame& frame, const RenderOptions& options, const Pixel& pixel) {
     Color radiance = grey(0);
     double transmittance = 0;
     const int n = options.samples;
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
-            const RayState state = marcher.follow(pixelRay(frame, x + (i + 0.5) / n, y + (j + 0.5) / n));
+            const RayState state = marcher.follow(pixelRay(frame, pixel.x + (i + 0.5) / n, pixel.y + (j + 0.5) / n));
             radiance += state.radiance + options.background * float(state.transmittance);
             transmittance += state.transmittance;
         }
     const float share = 1 / float(n * n);
-    for (int c = 0; c < 3; ++c) pixel[c] = radiance[c] * share;
-    pixel[3] = float(1 - transmittance / (n * n));
+    for (int c = 0; c < 3; ++c) pixel.rgba[c] = radiance[c] * share;
+    pixel.rgba[3] = float(1 - transmittance / (n * n));
 }
 
 /// @return false if stopped by `progress`.
@@ -59,7 +64,7 @@ bool renderBuckets(const RenderVolume::Content& volume, const CameraFrame& frame
         const int x0 = int(bucket % across) * kBucketSide, y0 = int(bucket / across) * kBucketSide;
         for (int y = y0; y < std::min(y0 + kBucketSide, image.height); ++y)
             for (int x = x0; x < std::min(x0 + kBucketSide, image.width); ++x)
-                renderPixel(marcher, frame, options, x, y, image.at(x, y));
+                renderPixel(marcher, frame, options, {x, y, image.at(x, y)});
     };
     for (std::size_t begin = 0; begin < count; begin += kBucketsPerGroup) {
         if (!report(progress, "render", double(begin) / double(count))) return false;

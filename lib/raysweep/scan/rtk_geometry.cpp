@@ -109,8 +109,7 @@ XrayView viewOf(const Parameters& p, const DetectorPair& spacing, const Detector
 }
 
 /// How far, in pixels, `matrix` puts points on the rays of the detector's corners beside these pixels.
-double disagreement(const Matrix34& matrix, const XrayView& view, bool parallel, const RtkDetector& detector,
-                    const DetectorPair& origin) {
+double disagreement(const Matrix34& matrix, const XrayView& view, bool parallel, const RtkDetector& detector) {
     double worst = 0;
     for (const int x : {0, detector.width - 1})
         for (const int y : {0, detector.height - 1})
@@ -122,8 +121,8 @@ double disagreement(const Matrix34& matrix, const XrayView& view, bool parallel,
                 for (std::size_t r = 0; r < 3; ++r)
                     image[r] = matrix[4 * r] * point.x + matrix[4 * r + 1] * point.y + matrix[4 * r + 2] * point.z +
                                matrix[4 * r + 3];
-                const double u = ((image[0] / image[2]) - origin[0]) / (*detector.spacing)[0] - x;
-                const double v = ((image[1] / image[2]) - origin[1]) / (*detector.spacing)[1] - y;
+                const double u = ((image[0] / image[2]) - (*detector.origin)[0]) / (*detector.spacing)[0] - x;
+                const double v = ((image[1] / image[2]) - (*detector.origin)[1]) / (*detector.spacing)[1] - y;
                 const double distance = std::hypot(u, v);
                 worst = std::max(worst, std::isnan(distance) ? std::numeric_limits<double>::infinity() : distance);
             }
@@ -134,12 +133,12 @@ double disagreement(const Matrix34& matrix, const XrayView& view, bool parallel,
 constexpr double kMatrixTolerance = 0.05;
 
 void requireMatrix(const pugi::xml_node& element, const std::string& where, const XrayView& view, bool parallel,
-                   const RtkDetector& detector, const DetectorPair& origin) {
+                   const RtkDetector& detector) {
     const std::vector<double> numbers = numbersIn(element.text().get(), where + ", <Matrix>");
     if (numbers.size() != 12) throw IoError(where + ": <Matrix> must hold 3 x 4 numbers");
     Matrix34 matrix;
     std::copy(numbers.begin(), numbers.end(), matrix.begin());
-    const double pixels = disagreement(matrix, view, parallel, detector, origin);
+    const double pixels = disagreement(matrix, view, parallel, detector);
     if (!(pixels <= kMatrixTolerance))
         throw InvalidArgument(where + ": <Matrix> contradicts the angles and distances by " + std::to_string(pixels) +
                               " pixels; correct one, or leave the matrix out");
@@ -163,7 +162,8 @@ pugi::xml_node rootOf(pugi::xml_document& document, const std::string& text) {
     return root;
 }
 
-DetectorPair requireDetector(const RtkDetector& detector) {
+/// With an origin if it has none: the detector is centred then.
+RtkDetector completed(RtkDetector detector) {
     if (detector.width <= 0 || detector.height <= 0 || !detector.spacing)
         throw InvalidArgument(
             "RTK's geometries say nothing about the detector's pixels; read them together with projections in "
@@ -172,13 +172,14 @@ DetectorPair requireDetector(const RtkDetector& detector) {
         if (step == 0 || !std::isfinite(step)) throw InvalidArgument("the pixel size must be finite and not 0");
     const DetectorPair middle = {-0.5 * (detector.width - 1) * (*detector.spacing)[0],
                                  -0.5 * (detector.height - 1) * (*detector.spacing)[1]};
-    return detector.origin.value_or(middle);
+    if (!detector.origin) detector.origin = middle;
+    return detector;
 }
 
 }  // namespace
 
-ProjectionGeometry geometryFromRtk(const std::string& text, const RtkDetector& detector) {
-    const DetectorPair origin = requireDetector(detector);
+ProjectionGeometry geometryFromRtk(const std::string& text, const RtkDetector& given) {
+    const RtkDetector detector = completed(given);
     pugi::xml_document document;
     const pugi::xml_node root = rootOf(document, text);
     ProjectionGeometry geometry;
@@ -201,9 +202,9 @@ ProjectionGeometry geometryFromRtk(const std::string& text, const RtkDetector& d
             throw InvalidArgument(where + ": SourceToDetectorDistance is 0 in some views (parallel beam), but not in " +
                                   "others (cone beam)");
         geometry.beam = beam;
-        geometry.views.push_back(viewOf(parameters, *detector.spacing, origin));
+        geometry.views.push_back(viewOf(parameters, *detector.spacing, *detector.origin));
         if (const pugi::xml_node matrix = element.child("Matrix"))
-            requireMatrix(matrix, where, geometry.views.back(), parallel, detector, origin);
+            requireMatrix(matrix, where, geometry.views.back(), parallel, detector);
     }
     geometry.validate();
     return geometry;

@@ -163,18 +163,18 @@ void ScanOptions::validate() const {
     const bool hdf5 = isHdf5(projections.front());
     if (hdf5 && projections.size() > 1) throw InvalidArgument("projections: give one HDF5 file");
     if (hdf5 && !(flat.empty() && dark.empty()))
-        throw InvalidArgument("flat and dark: HDF5 files hold their own frames");
-    if (!dark.empty() && flat.empty()) throw InvalidArgument("dark: needs flat as well");
+        throw InvalidArgument(std::string(flat.empty() ? "dark" : "flat") + ": HDF5 files hold their own frames");
+    if (!dark.empty() && flat.empty()) throw InvalidArgument("dark: needs `flat` as well");
     if (rows && !hdf5) throw InvalidArgument("rows: only of HDF5 files");
     if (rows && geometry.file.empty() && geometry.beam == BeamShape::cone && !geometry.centerRow)
-        throw InvalidArgument("rows: of a cone need centerRow as well, counted from the first of them");
+        throw InvalidArgument("rows: of a cone need `centerRow` as well, counted from the first of them");
     requirePositive(scale, "scale");
     if (saturation) requirePositive(*saturation, "saturation");
     if (ringWindow != 0) RingFilterOptions{ringWindow}.validate();
     if (axisSearch == AxisSearch::always && !(geometry.file.empty() && geometry.beam == BeamShape::parallel))
         throw InvalidArgument("axisSearch: the axis is only found for parallel beams that turn about z");
     if (axisSearch == AxisSearch::always && geometry.axisColumn)
-        throw InvalidArgument("axisSearch: always, but axisColumn says where the axis is; give one of the two");
+        throw InvalidArgument("axisSearch: always, but `axisColumn` says where the axis is; give one of the two");
     geometry.validate();
 }
 

@@ -46,8 +46,8 @@ void ScanGeometryOptions::validate() const {
         orbitOf(*this, anything).validate();
     } else if (views > 0 || firstAngle != 0 || arc || axisColumn || centerRow || center) {
         throw InvalidArgument("'" + file +
-                              "' says where the views are; leave out views, firstAngle, arc, axisColumn, " +
-                              "centerRow and center");
+                              "' says where the views are; leave out `views`, `firstAngle`, `arc`, `axisColumn`, " +
+                              "`centerRow` and `center`");
     }
 }
 

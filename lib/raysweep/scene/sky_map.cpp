@@ -119,10 +119,17 @@ void forEachOverlap(int i, int from, int to, const Visit& visit) {
         visit(cell, std::max(begin, double(cell) / to), std::min(end, double(cell + 1) / to));
 }
 
+/// A map, and what of it suns stand for.
+struct SunnyMap {
+    const Image& map;
+    const BrightParts& parts;
+    const std::vector<int>& sunOf;  ///< for each cell of `parts` its sun, or -1; empty: there are none
+};
+
 /// Adds row `y` of the map, as far as suns do not stand for it, to the cells of one row; `height` is their overlap in
 /// z.
-void addRow(const Image& map, int y, double height, const BrightParts& parts, const std::vector<int>& sunOf,
-            Color64* cells, int cellCount) {
+void addRow(const SunnyMap& from, int y, double height, Color64* cells, int cellCount) {
+    const auto& [map, parts, sunOf] = from;
     for (int x = 0; x < map.width; ++x) {
         const Color64 radiance = pixelOf(map, x, y);
         const bool inSun = !sunOf.empty() && sunOf[parts.cellOf(map, x, y)] >= 0;
@@ -133,7 +140,8 @@ void addRow(const Image& map, int y, double height, const BrightParts& parts, co
     }
 }
 
-AveragedSky averaged(const Image& map, const BrightParts& parts, const std::vector<int>& sunOf) {
+AveragedSky averaged(const SunnyMap& from) {
+    const Image& map = from.map;
     AveragedSky sky;
     sky.cells.height = std::min(map.height, kMostSkyRows);
     sky.cells.width = std::min(map.width, 2 * sky.cells.height);
@@ -141,8 +149,7 @@ AveragedSky averaged(const Image& map, const BrightParts& parts, const std::vect
     for (int y = 0; y < map.height; ++y)
         forEachOverlap(y, map.height, sky.cells.height, [&](int row, double top, double bottom) {
             const double height = std::cos(kPi * top) - std::cos(kPi * bottom);
-            addRow(map, y, height, parts, sunOf, sky.radiance.data() + std::size_t(row) * sky.cells.width,
-                   sky.cells.width);
+            addRow(from, y, height, sky.radiance.data() + std::size_t(row) * sky.cells.width, sky.cells.width);
         });
     for (int row = 0; row < sky.cells.height; ++row)
         for (int column = 0; column < sky.cells.width; ++column)
@@ -215,7 +222,7 @@ SkyMapLight lightFromSkyMap(const Image& map, const SkyMapOptions& options) {
         inSuns += sun.power();
     }
     light.sunShare = power > 0 ? inSuns / power : 0;
-    light.sky = skyFrom(averaged(map, parts, sunOf), frame, options.scale, coloured);
+    light.sky = skyFrom(averaged({map, parts, sunOf}), frame, options.scale, coloured);
     return light;
 }
 

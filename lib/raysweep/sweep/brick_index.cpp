@@ -33,13 +33,14 @@ BrickIndex::BrickIndex(const std::vector<Index3>& origins, const std::vector<Ind
 
 namespace {
 
-/// Places [first, end) among [begin, end) of `items`, which ascend by `key`, whose key is in [low, high).
+using Places = std::pair<std::size_t, std::size_t>;  // half-open
+
+/// Which places of `items` among these, where items ascend by `key`, have a key in [low, high).
 template <class Item>
-std::pair<std::size_t, std::size_t> findBetween(const std::vector<Item>& items, std::size_t begin, std::size_t end,
-                                                int Item::*key, int low, int high) {
+Places findBetween(const std::vector<Item>& items, const Places& among, int Item::*key, int low, int high) {
     const auto firstFrom = [&](int value) {
         const auto at = [&](std::size_t i) { return items.begin() + std::ptrdiff_t(i); };
-        return std::size_t(std::lower_bound(at(begin), at(end), value,
+        return std::size_t(std::lower_bound(at(among.first), at(among.second), value,
                                             [&](const Item& item, int bound) { return item.*key < bound; }) -
                            items.begin());
     };
@@ -49,11 +50,11 @@ std::pair<std::size_t, std::size_t> findBetween(const std::vector<Item>& items, 
 }  // namespace
 
 std::pair<std::size_t, std::size_t> BrickIndex::findLayers(int low, int high) const {
-    return findBetween(layers_, 0, layers_.size(), &Layer::layer, low, high);
+    return findBetween(layers_, {0, layers_.size()}, &Layer::layer, low, high);
 }
 
 std::pair<std::size_t, std::size_t> BrickIndex::findRows(const Layer& layer, int low, int high) const {
-    return findBetween(rows_, layer.first, layer.end, &Row::row, low, high);
+    return findBetween(rows_, {layer.first, layer.end}, &Row::row, low, high);
 }
 
 std::vector<Index3> marginsBelow(const BrickLayout& layout, const BrickMap& map, const Periodic& periodic,

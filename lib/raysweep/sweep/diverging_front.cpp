@@ -93,12 +93,14 @@ struct Ray {
     double power;
     double furnace;  ///< f, in the same units: the ray's whole power wherever it is outside of surfaces
     Vec3 direction;  ///< world, unit
+    double lengthPerSlice;
 };
 
-/// Where a voxel is held.
-struct VoxelPlace {
+/// Where a voxel is held, and the part of a ray that meets it.
+struct VoxelPart {
     std::uint32_t brick;
     std::size_t offset;
+    double weight;
 };
 
 /// What a slice takes of a ray.
@@ -107,28 +109,28 @@ struct Taken {
     bool solid = false, leaving = false;
 };
 
-/// Exchanges a part `weight` of the ray with one voxel of optical depth tau * `length`.
-void meetVoxel(Field& field, const Ray& ray, const VoxelPlace& place, double weight, double length, Taken& taken) {
-    const float tau = field.source.tau.brick(place.brick)[place.offset];
-    const PackedNormal* const normals = field.source.surfaces ? field.source.surfaces->normals(place.brick) : nullptr;
-    const bool surface = normals && normals[place.offset] != 0;
-    const double cosine = surface ? unpackNormal(normals[place.offset]).dot(ray.direction) : 0;
+/// Exchanges a part of the ray with one voxel of optical depth tau * `length`.
+void meetVoxel(Field& field, const Ray& ray, const VoxelPart& part, double length, Taken& taken) {
+    const float tau = field.source.tau.brick(part.brick)[part.offset];
+    const PackedNormal* const normals = field.source.surfaces ? field.source.surfaces->normals(part.brick) : nullptr;
+    const bool surface = normals && normals[part.offset] != 0;
+    const double cosine = surface ? unpackNormal(normals[part.offset]).dot(ray.direction) : 0;
     const bool solid = (surface && tau > 0) || double(tau) >= field.source.solidTau;
     taken.solid = taken.solid || solid;
     taken.leaving = taken.leaving || (tau > 0 && cosine > double(kLeavingCosine));
     if (tau == 0 || (surface && cosine >= 0)) return;
     const double opacity = -std::expm1(-double(tau) * length);
     const auto take = [&](FixedField& to, std::size_t brick, double energy) {
-        const std::int64_t units = std::llround(weight * energy * opacity * field.unitsPerPower);
-        to[brick * std::size_t(kBrickVoxels) + place.offset].fetch_add(units, std::memory_order_relaxed);
+        const std::int64_t units = std::llround(part.weight * energy * opacity * field.unitsPerPower);
+        to[brick * std::size_t(kBrickVoxels) + part.offset].fetch_add(units, std::memory_order_relaxed);
         return double(units) / field.unitsPerPower;
     };
-    taken.power += take(field.power, place.brick, ray.power);
-    if (solid && normals) taken.furnace += take(field.furnace, field.source.surfaces->slots[place.brick], ray.furnace);
+    taken.power += take(field.power, part.brick, ray.power);
+    if (solid && normals) taken.furnace += take(field.furnace, field.source.surfaces->slots[part.brick], ray.furnace);
 }
 
 /// Takes one ray through the volume. @return the power left
-double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray ray, double lengthPerSlice) {
+double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray ray) {
     const SweepAxis& axis = pyramid.axis;
     const Vec3& position = field.source.position;
     const double width = 2.0 / pyramid.cells, whole = ray.power;
@@ -140,7 +142,7 @@ double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray r
         const int slice = pyramid.firstSlice + pyramid.sign * i;
         const double middle = pyramid.sign * (slice - position[axis.major]);
         const double enter = std::max(0.0, middle - 0.5), leave = middle + 0.5, z = 0.5 * (enter + leave);
-        const double length = (leave - enter) * lengthPerSlice * field.source.scale;
+        const double length = (leave - enter) * ray.lengthPerSlice * field.source.scale;
         const CellOverlap u(position[axis.column] + pyramid.slope(column) * z, width * z);
         const CellOverlap v(position[axis.row] + pyramid.slope(row) * z, width * z);
         Taken taken;
@@ -156,7 +158,7 @@ double marchRay(Field& field, const Pyramid& pyramid, int column, int row, Ray r
                 if (cell != lastCell) brick = field.source.volume.map.find(voxel);
                 lastCell = cell;
                 if (brick == kNoBrick) continue;
-                meetVoxel(field, ray, {brick, offsetInBrick(voxel)}, weight, length, taken);
+                meetVoxel(field, ray, {brick, offsetInBrick(voxel), weight}, length, taken);
             }
         ray.power = std::max(0.0, ray.power - taken.power);
         ray.furnace = std::max(0.0, ray.furnace - taken.furnace);
@@ -234,7 +236,7 @@ PointDeposit depositFromPoint(const PointSource& source) {
     for (const Pyramid& pyramid : pyramids)
         left += sumOverCells(pyramid, [&](int column, int row) {
             const Cell cell = cellOf(pyramid, world, column, row);
-            return marchRay(field, pyramid, column, row, {cell.power, cell.power, cell.direction}, cell.lengthPerSlice);
+            return marchRay(field, pyramid, column, row, {cell.power, cell.power, cell.direction, cell.lengthPerSlice});
         });
     return {floatsOf(field.power, field.unitsPerPower), floatsOf(field.furnace, field.unitsPerPower),
             (1 - sent) + left};

@@ -26,16 +26,16 @@ HWY_INLINE Vec inverseEscapeAt(const ExchangeConstants& constants, const PackedN
 template <bool kThinOnly>
 void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
             const PackedNormal* normals, std::size_t b) {
-    const ShotRule rule(constants);
+    const ExchangeRule rule(constants);
     for (int i = 0; i < kBrickVoxels; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, fields.tau.brick(b) + i);
         const Vec inverse = inverseEscapeAt(constants, normals, i, tau);
         const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, rule.part));
         VoxelSurfaces surfaces;
-        if (normals) surfaces = voxelSurfaces(constants, normals + i, tau);
+        if (normals) surfaces = voxelSurfaces(rule, normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
-            if (rule.paper && !normals) {  // no need of the terms
+            if (rule.asPrinted && !normals) {  // no need of the terms
                 shot = hn::Add(shot, hn::Set(kLanes, rule.most));
                 continue;
             }
@@ -95,11 +95,8 @@ void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, c
     HWY_DYNAMIC_DISPATCH(settleDispatched)(beams, fields, constants, b);
 }
 
-void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,
+void effectiveAlbedos(const ExchangeConstants& constants, const PackedNormal* normals, const float* tau,
                       const float* albedo, float* g) {
-    ExchangeConstants constants;
-    constants.model = model;
-    constants.escape = escape;
     HWY_DYNAMIC_DISPATCH(effectiveAlbedosDispatched)(constants, normals, tau, albedo, g);
 }
 

@@ -5,7 +5,7 @@
 /// Along a direction a ray of power e goes one step of length len, its stretch in a slice, through a voxel of
 /// extinction s and unshot power U:
 ///
-///     Algorithm 1, corrected (`consistent`)             as printed (`paper`)
+///     Algorithm 1, `corrected`                          `asPrinted`
 ///     alpha = 1 - exp(-s len)                           alpha = 1 - exp(-s h), h an edge of the voxel
 ///     in    = e alpha                                   the same
 ///     out   = U min(1, zeta (alpha / (s len)) / p)      out = zeta U
@@ -49,8 +49,8 @@ constexpr float kLeavingCosine = 0.5f;
 
 /// How voxels scatter.
 enum class ExchangeModel {
-    consistent,  ///< the rules above
-    paper        ///< Algorithm 1 as printed; at surfaces in = e alpha |omega.n|, out = zeta U omega.n
+    corrected,  ///< the rules above
+    asPrinted   ///< Algorithm 1 as printed; at surfaces in = e alpha |omega.n|, out = zeta U omega.n
 };
 
 /// One float per voxel of every brick, or one brick of values that all share (`stride` 0).
@@ -90,7 +90,7 @@ constexpr int kMostBeams = 8;  ///< in one sweep
 
 /// What is constant during one sweep.
 struct ExchangeConstants {
-    ExchangeModel model = ExchangeModel::consistent;
+    ExchangeModel model = ExchangeModel::corrected;
     EscapeFit escape;
     float zeta = 0.5f;       ///< ζ/K: part of the unshot power that is shot along each of up to K beams, (0,1]
     float mostShot = 1;      ///< the most that a beam may take of it; together they must not take more than there is
@@ -126,9 +126,9 @@ void exchangeLinear(const SweptBeams& beams, const std::vector<BrickVisit>& visi
 void settleBrick(const std::vector<Beam>& beams, const ExchangeFields& fields, const ExchangeConstants& constants,
                  std::size_t b);
 
-/// g of every voxel of a brick as the exchange computes it. `albedo`, `tau` and `g` have 512 values, and `normals`,
-/// unless it is null.
-void effectiveAlbedos(ExchangeModel model, const EscapeFit& escape, const PackedNormal* normals, const float* tau,
+/// g of every voxel of a brick as the exchange computes it, with the model and the escape probability of `constants`.
+/// `albedo`, `tau` and `g` have 512 values, and `normals`, unless it is null.
+void effectiveAlbedos(const ExchangeConstants& constants, const PackedNormal* normals, const float* tau,
                       const float* albedo, float* g);
 
 }  // namespace raysweep

@@ -57,16 +57,16 @@ struct Stencil {
     }
 };
 
-/// Opacity and emission of the voxels of slice `j`.
+/// Opacity and emission of the voxels of slice `j` of a brick, for the rays of a beam.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_INLINE void findTerms(const ExchangeConstants& constants, const ShotRule& rule, const Beam& beam,
-                          const LinearBrick<kChannels>& brick, int j, LinearSlice<kChannels>& slice) {
+HWY_INLINE void findTerms(const ExchangeRule& rule, const Beam& beam, const LinearBrick<kChannels>& brick, int j,
+                          LinearSlice<kChannels>& slice) {
     for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {
         const Vec tau = hn::Load(kLanes, brick.tau.value[j] + i);
         const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j] + i);
         VoxelTerms terms = voxelTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
         if (kSurfaces) {
-            const VoxelSurfaces surfaces = voxelSurfaces(constants, brick.normals.value[j] + i, tau);
+            const VoxelSurfaces surfaces = voxelSurfaces(rule, brick.normals.value[j] + i, tau);
             const VoxelSolids solids = applySurfaces(rule, beam.front.direction, surfaces, terms);
             const Vec measured = hn::Load(kLanes, brick.measured.value[j] + i);
             const Vec inside = hn::IfThenElseZero(solids.inside, measured);
@@ -85,15 +85,26 @@ HWY_INLINE float* remembered(float* rays, int row, int lane) {
     return rays + (row + 1) * kEdge + lane + 1;
 }
 
-/// Takes the rays of a beam through a slice, and remembers what they were before.
+/// The rays of a beam that a brick handles in one of its slices.
+struct HandledRays {
+    BeamSlice beam;
+    Clip clip;
+    Stencil stencil;
+    int firstRow;
+    int k;  ///< number of the slice, in the order of travel
+};
+
+/// Takes rays through a slice, and remembers what they were before.
 template <int kChannels, bool kClipped>
-HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
-                         LinearSlice<kChannels>& slice) {
+HWY_INLINE void stepRays(const HandledRays& rays, LinearSlice<kChannels>& slice) {
+    const BeamSlice& beam = rays.beam;
+    const Clip& clip = rays.clip;
+    const Stencil& stencil = rays.stencil;
     for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
-        const int start = firstRay * kEdge + lane;
+        const int start = rays.firstRow * kEdge + lane;
         Vec opacity = stencil.acrossColumns(slice.opacity + start), out[kChannels];
         for (int c = 0; c < kChannels; ++c) out[c] = stencil.acrossColumns(slice.out[c] + start);
-        for (int r = firstRay; r < kBrickEdge; ++r) {
+        for (int r = rays.firstRow; r < kBrickEdge; ++r) {
             const int above = (r + 1) * kEdge + lane;
             const Vec opacityAbove = stencil.acrossColumns(slice.opacity + above);
             const Vec lost = Stencil::mix(stencil.row, opacity, opacityAbove);
@@ -126,10 +137,12 @@ HWY_INLINE void stepRays(const BeamSlice& beam, const Clip& clip, const Stencil&
 
 /// The same for the local furnace.
 template <int kChannels>
-HWY_NOINLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay, int k,
-                              LinearSlice<kChannels>& slice) {
+HWY_NOINLINE void stepFurnace(const HandledRays& rays, LinearSlice<kChannels>& slice) {
+    const BeamSlice& beam = rays.beam;
+    const Clip& clip = rays.clip;
+    const Stencil& stencil = rays.stencil;
     const Vec zero = hn::Zero(kLanes);
-    for (int r = firstRay; r < kBrickEdge; ++r)
+    for (int r = rays.firstRow; r < kBrickEdge; ++r)
         for (int lane = 0; lane < kBrickEdge; lane += int(hn::Lanes(kLanes))) {
             float* const to = remembered(slice.furnace, r, lane);
             if (clip.missesRow(r)) {
@@ -138,12 +151,12 @@ HWY_NOINLINE void stepFurnace(const BeamSlice& beam, const Clip& clip, const Ste
             }
             const std::ptrdiff_t ray = beam.rowStart[r] + lane;
             const Vec f = hn::LoadU(kLanes, beam.furnace + ray), last = hn::LoadU(kLanes, beam.lastSlice + ray);
-            const auto close = hn::Ge(last, hn::Set(kLanes, float(k - kSurfaceGap)));
+            const auto close = hn::Ge(last, hn::Set(kLanes, float(rays.k - kSurfaceGap)));
             Vec before = hn::IfThenElse(close, f, hn::Set(kLanes, beam.beam->furnaceRay));
             Vec after = hn::Max(zero, hn::NegMulAdd(before, stencil.atRays(slice.taken, r, lane), before));
             const Vec inside = stencil.atRays(slice.solid, r, lane);
             Vec lastNow = hn::IfThenElse(hn::Lt(inside, zero), hn::Set(kLanes, kLongAgo), last);
-            lastNow = hn::IfThenElse(hn::Gt(inside, zero), hn::Set(kLanes, float(k)), lastNow);
+            lastNow = hn::IfThenElse(hn::Gt(inside, zero), hn::Set(kLanes, float(rays.k)), lastNow);
             const auto lanes = clip.lanes(lane);
             before = hn::IfThenElseZero(lanes, before);
             after = hn::IfThenElse(lanes, after, f);
@@ -183,16 +196,15 @@ HWY_INLINE void takeFromRays(const Stencil& stencil, const float* opacity, const
 
 /// `stepRays` where a brick hangs over the lattice, which is rare.
 template <int kChannels>
-HWY_NOINLINE void stepClippedRays(const BeamSlice& beam, const Clip& clip, const Stencil& stencil, int firstRay,
-                                  LinearSlice<kChannels>& slice) {
-    stepRays<kChannels, true>(beam, clip, stencil, firstRay, slice);
+HWY_NOINLINE void stepClippedRays(const HandledRays& rays, LinearSlice<kChannels>& slice) {
+    stepRays<kChannels, true>(rays, slice);
 }
 
 template <int kChannels, bool kThinOnly, bool kSurfaces>
 HWY_NOINLINE void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeConstants& constants,
                                  LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
     const RayFront& front = swept.beams[0].front;
-    const ShotRule rule(constants);
+    const ExchangeRule rule(constants);
     clear(slice);
     for (int j = 0; j < kBrickEdge; ++j) {
         const int k = visit.slice + j, at = front.ascending ? j : kBrickEdge - 1 - j;
@@ -200,18 +212,18 @@ HWY_NOINLINE void exchangeSlices(const SweptBeams& swept, const BrickVisit& visi
         if (clip.empty()) continue;
         for (std::size_t b = 0; b < swept.count(); ++b) {
             const Beam& beam = swept.beams[b];
-            const BeamSlice rays = beamSlice(beam, swept.rays[b], visit, k, kSurfaces && brick.furnace);
-            const Stencil stencil(beam.front, k);
-            findTerms<kChannels, kThinOnly, kSurfaces>(constants, rule, beam, brick, at, slice);
+            const HandledRays rays{beamSlice(beam, swept.rays[b], visit, k, kSurfaces && brick.furnace), clip,
+                                   Stencil(beam.front, k), brick.firstRow, k};
+            findTerms<kChannels, kThinOnly, kSurfaces>(rule, beam, brick, at, slice);
             if (clip.whole())
-                stepRays<kChannels, false>(rays, clip, stencil, brick.firstRay, slice);
+                stepRays<kChannels, false>(rays, slice);
             else
-                stepClippedRays(rays, clip, stencil, brick.firstRay, slice);
+                stepClippedRays(rays, slice);
             for (int c = 0; c < kChannels; ++c)
-                takeFromRays(stencil, slice.opacity, slice.rays[c], slice.incoming, brick.in[c].value[at]);
+                takeFromRays(rays.stencil, slice.opacity, slice.rays[c], slice.incoming, brick.in[c].value[at]);
             if (!kSurfaces || !brick.furnace) continue;
-            stepFurnace(rays, clip, stencil, brick.firstRay, k, slice);
-            takeFromRays(stencil, slice.taken, slice.furnace, slice.incoming, brick.furnaceIn.value[at]);
+            stepFurnace(rays, slice);
+            takeFromRays(rays.stencil, slice.taken, slice.furnace, slice.incoming, brick.furnaceIn.value[at]);
         }
     }
 }

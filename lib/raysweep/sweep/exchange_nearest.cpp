@@ -65,6 +65,16 @@ struct Exchanged {
     HWY_ALIGN float raysMet[kBrickVoxels];  ///< only where that is not one of each beam
 };
 
+/// What the rays of all beams do in one brick.
+template <int kChannels>
+struct BrickPass {
+    const SweptBeams& swept;
+    const BrickVisit& visit;
+    const ExchangeConstants& constants;
+    float mostScale;  ///< largest step scale of the beams
+    Brick<kChannels> brick, next;
+};
+
 /// The order of slices within a brick.
 template <int kChannels>
 struct SliceView {
@@ -134,12 +144,13 @@ void clipSlices(const RayFront& front, const BrickClip& clips, SliceView<kChanne
     for (int c = 0; c < kChannels; ++c) view.unshot[c] = to.unshot[c];
 }
 
-/// Local furnace of eight rays. @return what the voxels take
-HWY_INLINE Vec exchangeFurnace(float furnaceRay, Vec opacity, const VoxelSolids& solids, float* f, float* lastSlice,
+/// Local furnace of rays side by side, from `firstRay` on. @return what the voxels take
+HWY_INLINE Vec exchangeFurnace(const BeamSlice& beam, std::ptrdiff_t firstRay, Vec opacity, const VoxelSolids& solids,
                                int slice) {
+    float *const f = beam.furnace + firstRay, *const lastSlice = beam.lastSlice + firstRay;
     const Vec last = hn::LoadU(kLanes, lastSlice), now = hn::Set(kLanes, float(slice));
     const Mask close = hn::Ge(last, hn::Set(kLanes, float(slice - kSurfaceGap)));
-    const Vec ray = hn::IfThenElse(close, hn::LoadU(kLanes, f), hn::Set(kLanes, furnaceRay));
+    const Vec ray = hn::IfThenElse(close, hn::LoadU(kLanes, f), hn::Set(kLanes, beam.beam->furnaceRay));
     const Vec in = hn::IfThenElseZero(solids.inside, hn::Mul(ray, opacity));
     const Vec lastNow = hn::IfThenElse(solids.leaving, hn::Set(kLanes, kLongAgo), last);
     hn::StoreU(hn::Sub(ray, in), kLanes, f);
@@ -152,29 +163,37 @@ template <int kChannels>
 struct Voxels {
     Vec tau, shotPart;
     Vec unshot[kChannels];
-    int row, lane;  ///< in the slice, of the first voxel
-    int slice;
+    // Of the first voxel:
+    int row, lane;  ///< in the slice
+    int slice;      ///< number, in the order of travel
+    int at;         ///< offset in a SliceView
 
     Vec in[kChannels], out[kChannels], furnace;
 };
 
+/// The rays of all beams at one slice of a brick, and what rules them.
+struct BeamSlices {
+    ExchangeRule rule;
+    float mostScale;  ///< largest step scale of the beams
+    int count;
+    BeamSlice beams[kMostBeams];
+};
+
 /// The rays of all beams meet the voxels. `kSurfaces`: some of these have a surface or are the inside of a solid.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_INLINE void meetBeams(const ShotRule& rule, const BeamSlice* beams, int count, const VoxelSurfaces& surfaces,
-                          Voxels<kChannels>& voxels) {
+HWY_INLINE void meetBeams(const BeamSlices& slices, const VoxelSurfaces& surfaces, Voxels<kChannels>& voxels) {
+    const ExchangeRule& rule = slices.rule;
     const bool hasNormals = kSurfaces && !hn::AllFalse(kLanes, surfaces.surface);
     VoxelSolids solids;
     if (kSurfaces) solids = {surfaces.solid, surfaces.surface};  // nothing leaves where there is no surface
-    for (int k = 0; k < count; ++k) {
-        const BeamSlice& beam = beams[k];
+    for (int k = 0; k < slices.count; ++k) {
+        const BeamSlice& beam = slices.beams[k];
         VoxelTerms terms = voxelTerms<kThinOnly>(rule, beam.beam->stepScale, voxels.tau, voxels.shotPart);
         if (hasNormals) solids = applySurfaces(rule, beam.beam->front.direction, surfaces, terms);
         const std::ptrdiff_t ray = beam.rowStart[voxels.row] + voxels.lane;
         // Elsewhere rays are as long outside as they were; nothing of the furnace would change.
         if (kSurfaces && beam.furnace)
-            voxels.furnace =
-                hn::Add(voxels.furnace, exchangeFurnace(beam.beam->furnaceRay, terms.opacity, solids,
-                                                        beam.furnace + ray, beam.lastSlice + ray, voxels.slice));
+            voxels.furnace = hn::Add(voxels.furnace, exchangeFurnace(beam, ray, terms.opacity, solids, voxels.slice));
         for (int c = 0; c < kChannels; ++c) {
             float* const power = beam.power + c * beam.planeStride + ray;
             const Vec e = hn::LoadU(kLanes, power);
@@ -190,11 +209,10 @@ HWY_INLINE void meetBeams(const ShotRule& rule, const BeamSlice* beams, int coun
 
 /// Reads voxels, exchanges, and notes what was exchanged. In a brick that has surfaces most voxels have none, and are
 /// treated as those of other bricks.
-/// @param mostScale largest step scale of the beams
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_INLINE void exchangeVoxels(const ExchangeConstants& constants, const ShotRule& rule, float mostScale,
-                               const SliceView<kChannels>& view, const BeamSlice* beams, int count, int at,
-                               Voxels<kChannels>& voxels, Exchanged<kChannels>& exchanged) {
+HWY_INLINE void exchangeVoxels(const BeamSlices& slices, const SliceView<kChannels>& view, Voxels<kChannels>& voxels,
+                               Exchanged<kChannels>& exchanged) {
+    const int at = voxels.at;
     voxels.tau = hn::Load(kLanes, view.tau + at);
     Vec any = voxels.tau;
     for (int c = 0; c < kChannels; ++c) {
@@ -205,16 +223,16 @@ HWY_INLINE void exchangeVoxels(const ExchangeConstants& constants, const ShotRul
     voxels.furnace = hn::Zero(kLanes);
     // In sparse volumes many voxels are empty: nothing there that could change a ray or be changed by one.
     if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
-        voxels.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, rule.part));
+        voxels.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, slices.rule.part));
         VoxelSurfaces surfaces;
-        if (kSurfaces) surfaces = voxelSurfaces(constants, view.normals + at, voxels.tau);
+        if (kSurfaces) surfaces = voxelSurfaces(slices.rule, view.normals + at, voxels.tau);
         if (kSurfaces && !hn::AllFalse(kLanes, hn::Or(surfaces.surface, surfaces.solid)))
-            meetBeams<kChannels, false, true>(rule, beams, count, surfaces, voxels);
+            meetBeams<kChannels, false, true>(slices, surfaces, voxels);
         else if (kThinOnly ||
-                 (kSurfaces && hn::AllTrue(kLanes, hn::Le(voxels.tau, hn::Set(kLanes, kThin / mostScale)))))
-            meetBeams<kChannels, true, false>(rule, beams, count, surfaces, voxels);
+                 (kSurfaces && hn::AllTrue(kLanes, hn::Le(voxels.tau, hn::Set(kLanes, kThin / slices.mostScale)))))
+            meetBeams<kChannels, true, false>(slices, surfaces, voxels);
         else
-            meetBeams<kChannels, false, false>(rule, beams, count, surfaces, voxels);
+            meetBeams<kChannels, false, false>(slices, surfaces, voxels);
     }
     for (int c = 0; c < kChannels; ++c) {
         hn::Store(voxels.in[c], kLanes, exchanged.in[c] + at);
@@ -239,18 +257,17 @@ HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannel
 
 /// The rays of all beams go through the eight slices of a brick.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeConstants& constants,
-                    float mostScale, const SliceView<kChannels>& view, const Brick<kChannels>& brick,
-                    const Brick<kChannels>& next, Exchanged<kChannels>& exchanged) {
+void exchangeSlices(const BrickPass<kChannels>& pass, const SliceView<kChannels>& view,
+                    Exchanged<kChannels>& exchanged) {
+    const SweptBeams& swept = pass.swept;
     const RayFront& front = swept.beams[0].front;
-    const ShotRule rule(constants);
-    const int count = int(swept.count());
-    BeamSlice beams[kMostBeams];
+    BeamSlices slices{ExchangeRule(pass.constants), pass.mostScale, int(swept.count()), {}};
     for (int j = 0; j < kBrickEdge; ++j) {
-        prefetchEighth(brick, next, j);
-        const int k = visit.slice + j;
-        for (int b = 0; b < count; ++b)
-            beams[b] = beamSlice(swept.beams[std::size_t(b)], swept.rays[std::size_t(b)], visit, k, brick.furnace);
+        prefetchEighth(pass.brick, pass.next, j);
+        const int k = pass.visit.slice + j;
+        for (int b = 0; b < slices.count; ++b)
+            slices.beams[b] =
+                beamSlice(swept.beams[std::size_t(b)], swept.rays[std::size_t(b)], pass.visit, k, pass.brick.furnace);
         const int slice = front.ascending ? j : kBrickEdge - 1 - j;
         int at = slice * front.axis.sliceStride;
         for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
@@ -259,8 +276,8 @@ void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const Exch
                 voxels.row = row;
                 voxels.lane = lane;
                 voxels.slice = k;
-                exchangeVoxels<kChannels, kThinOnly, kSurfaces>(constants, rule, mostScale, view, beams, count,
-                                                                at + lane, voxels, exchanged);
+                voxels.at = at + lane;
+                exchangeVoxels<kChannels, kThinOnly, kSurfaces>(slices, view, voxels, exchanged);
             }
     }
 }
@@ -292,20 +309,20 @@ HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, bool clip
 }
 
 template <int kChannels>
-HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, const ExchangeConstants& constants,
-                              float mostScale, const Brick<kChannels>& brick, const Brick<kChannels>& next,
-                              Exchanged<kChannels>& exchanged) {
-    const SweepAxis& axis = swept.beams[0].front.axis;
-    const float thickest = findEscape(constants, brick.tau, exchanged.inverseEscape);
+HWY_INLINE void exchangeBrick(const BrickPass<kChannels>& pass, Exchanged<kChannels>& exchanged) {
+    const Brick<kChannels>& brick = pass.brick;
+    const RayFront& front = pass.swept.beams[0].front;
+    const SweepAxis& axis = front.axis;
+    const float thickest = findEscape(pass.constants, brick.tau, exchanged.inverseEscape);
     SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
-    const BrickClip clips(swept, visit);
-    if (!clips.whole) clipSlices(swept.beams[0].front, clips, view, exchanged);
+    const BrickClip clips(pass.swept, pass.visit);
+    if (!clips.whole) clipSlices(front, clips, view, exchanged);
     if (brick.normals)
-        exchangeSlices<kChannels, false, true>(swept, visit, constants, mostScale, view, brick, next, exchanged);
-    else if (thickest * mostScale <= kThin)
-        exchangeSlices<kChannels, true, false>(swept, visit, constants, mostScale, view, brick, next, exchanged);
+        exchangeSlices<kChannels, false, true>(pass, view, exchanged);
+    else if (thickest * pass.mostScale <= kThin)
+        exchangeSlices<kChannels, true, false>(pass, view, exchanged);
     else
-        exchangeSlices<kChannels, false, false>(swept, visit, constants, mostScale, view, brick, next, exchanged);
+        exchangeSlices<kChannels, false, false>(pass, view, exchanged);
     if (axis.transposed) {
         turn(exchanged.inverseEscape);
         for (int c = 0; c < kChannels; ++c) {
@@ -315,7 +332,7 @@ HWY_INLINE void exchangeBrick(const SweptBeams& swept, const BrickVisit& visit, 
         if (brick.furnace) turn(exchanged.furnace);
         if (!clips.whole) turn(exchanged.raysMet);
     }
-    bookExchange<kChannels>(brick, int(swept.count()), !clips.whole, exchanged);
+    bookExchange<kChannels>(brick, int(pass.swept.count()), !clips.whole, exchanged);
 }
 
 template <int kChannels>
@@ -324,9 +341,10 @@ void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visi
     Exchanged<kChannels> exchanged;
     const float mostScale = mostStepScale(swept);
     for (std::size_t i = 0; i < visits.size(); ++i) {
-        const Brick<kChannels> brick(fields, visits[i].brick);
-        const Brick<kChannels> next(fields, visits[std::min(i + 1, visits.size() - 1)].brick);
-        exchangeBrick<kChannels>(swept, visits[i], constants, mostScale, brick, next, exchanged);
+        const BrickVisit& next = visits[std::min(i + 1, visits.size() - 1)];
+        const BrickPass<kChannels> pass{
+            swept, visits[i], constants, mostScale, {fields, visits[i].brick}, {fields, next.brick}};
+        exchangeBrick(pass, exchanged);
     }
 }
 

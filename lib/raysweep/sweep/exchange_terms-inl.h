@@ -71,24 +71,27 @@ HWY_INLINE Vec thinOpacityOverDepth(Vec x) {
     return series;
 }
 
-/// What both models have in common, so that kernels are compiled once: each is a choice of numbers.
+/// What both models have in common, so that kernels are compiled once: each is a choice of numbers. Not the escape
+/// probability, which is found once for a brick.
 ///
 ///     out / U = min(most, part / p alpha / (s len))
 ///
-/// `paper` shoots zeta whatever the voxel: there p = 1, `most` is zeta, and `part` so large that the other side of the
-/// minimum is never less.
-struct ShotRule {
+/// As printed the algorithm shoots zeta whatever the voxel: there p = 1, `most` is zeta, and `part` so large that the
+/// other side of the minimum is never less.
+struct ExchangeRule {
     static constexpr float kAnyPart = 1e30f;  ///< times 1 / (s len) of the thickest voxel it is far above 1
     float part, most;
     float ofSurface;  ///< out / U of a surface is this times the cosine
-    bool paper;
+    float solidTau;   ///< see ExchangeConstants
+    bool asPrinted;
 
-    explicit ShotRule(const ExchangeConstants& constants)
+    explicit ExchangeRule(const ExchangeConstants& constants)
         : part(constants.zeta),
           most(constants.mostShot),
           ofSurface(std::min(constants.mostShot, 4 * constants.zeta)),
-          paper(constants.model == ExchangeModel::paper) {
-        if (!paper) return;
+          solidTau(constants.solidTau),
+          asPrinted(constants.model == ExchangeModel::asPrinted) {
+        if (!asPrinted) return;
         part = kAnyPart;
         most = ofSurface = std::min(constants.mostShot, constants.zeta);
     }
@@ -96,14 +99,14 @@ struct ShotRule {
 
 /// 1 / p, with p the escape probability.
 HWY_INLINE Vec inverseEscape(const ExchangeConstants& constants, Vec tau) {
-    if (constants.model == ExchangeModel::paper) return hn::Set(kLanes, 1.0f);
+    if (constants.model == ExchangeModel::asPrinted) return hn::Set(kLanes, 1.0f);
     return hn::Mul(polynomial(tau, constants.escape.a), reciprocal(polynomial(tau, constants.escape.b)));
 }
 
 /// Terms of voxels without a surface. With `kThinOnly` tau `stepScale` is at most kThin, and a polynomial does.
 /// @param shotPart `part` / p
 template <bool kThinOnly>
-HWY_INLINE VoxelTerms voxelTerms(const ShotRule& rule, float stepScale, Vec tau, Vec shotPart) {
+HWY_INLINE VoxelTerms voxelTerms(const ExchangeRule& rule, float stepScale, Vec tau, Vec shotPart) {
     const Vec along = hn::Mul(tau, hn::Set(kLanes, stepScale));
     VoxelTerms terms;
     Vec perDepth;  // opacity / along
@@ -143,26 +146,26 @@ struct VoxelSurfaces {
     Vec normal[3];
 };
 
-HWY_INLINE VoxelSurfaces voxelSurfaces(const ExchangeConstants& constants, const PackedNormal* normals, Vec tau) {
+HWY_INLINE VoxelSurfaces voxelSurfaces(const ExchangeRule& rule, const PackedNormal* normals, Vec tau) {
     const hn::RebindToSigned<Lanes> kWholes;
     const auto packed = hn::BitCast(kWholes, hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
     VoxelSurfaces surfaces;
     surfaces.surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
     surfaces.present = hn::And(surfaces.surface, hn::Gt(tau, hn::Zero(kLanes)));
-    surfaces.solid = hn::Or(surfaces.present, hn::Ge(tau, hn::Set(kLanes, constants.solidTau)));
+    surfaces.solid = hn::Or(surfaces.present, hn::Ge(tau, hn::Set(kLanes, rule.solidTau)));
     for (int axis = 0; axis < 3; ++axis) surfaces.normal[axis] = normalComponent(packed, axis);
     return surfaces;
 }
 
 /// Changes the terms of voxels that have a surface, for rays that travel along `direction`.
-HWY_INLINE VoxelSolids applySurfaces(const ShotRule& rule, const Vec3& direction, const VoxelSurfaces& surfaces,
+HWY_INLINE VoxelSolids applySurfaces(const ExchangeRule& rule, const Vec3& direction, const VoxelSurfaces& surfaces,
                                      VoxelTerms& terms) {
     Vec cosine = hn::Zero(kLanes);
     for (int axis = 0; axis < 3; ++axis)
         cosine = hn::MulAdd(surfaces.normal[axis], hn::Set(kLanes, float(direction[axis]) / kPackedSteps), cosine);
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
     Vec taken = terms.opacity;
-    if (rule.paper) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
+    if (rule.asPrinted) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
     terms.opacity = hn::IfThenElse(surfaces.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
     terms.shot = hn::IfThenElse(
         surfaces.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, rule.ofSurface)), terms.shot);

@@ -103,7 +103,7 @@ struct LinearBrick {
     Padded<float> measured;  ///< 1 where the furnace is measured: in bricks that have surfaces
     Padded<float> furnaceIn;
     bool surfaces, furnace;
-    int firstRay;  ///< first row of rays that meet anything
+    int firstRow;  ///< first row of rays that meet anything
     float thickest;
 };
 
@@ -148,8 +148,8 @@ HWY_NOINLINE void fill(const SweepAxis& axis, const Quartet& quartet, const Exch
     }
     fillSurfaces(axis, quartet, fields, brick);
     const bool last = quartet.parts[0].brick == kNoBrick && quartet.parts[2].brick == kNoBrick;
-    brick.firstRay = last ? kBrickEdge - 1 : 0;
-    const Vec part = hn::Set(kLanes, ShotRule(constants).part);
+    brick.firstRow = last ? kBrickEdge - 1 : 0;
+    const Vec part = hn::Set(kLanes, ExchangeRule(constants).part);
     Vec most = hn::Zero(kLanes);
     for (int j = 0; j < kBrickEdge; ++j)
         for (int i = 0; i < kSlice; i += int(hn::Lanes(kLanes))) {

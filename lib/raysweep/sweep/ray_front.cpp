@@ -32,8 +32,8 @@ SliceRange slicesInside(const RayFront& front, const Lateral& lateral, int ray) 
 
 }  // namespace
 
-RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, double offsetColumn,
-                       double offsetRow, const Periodic& periodic) {
+RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, const LatticeOffset& offset,
+                       const Periodic& periodic) {
     RayFront front;
     front.direction = direction.normalized();
     const Vec3 inIndex = front.direction * layout.worldFromIndex.inverse();
@@ -44,12 +44,11 @@ RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int rea
     front.ascending = inIndex[major] > 0;
     front.firstSlice = front.ascending ? layout.low[major] : layout.high[major] - 1;
     front.slices = layout.high[major] - layout.low[major];
-    const auto lateral = [&](int axis, double offset) {
-        return Lateral{inIndex[axis] / perSlice, offset, layout.low[axis], layout.high[axis],
-                       periodic[std::size_t(axis)]};
+    const auto lateral = [&](int axis, double at) {
+        return Lateral{inIndex[axis] / perSlice, at, layout.low[axis], layout.high[axis], periodic[std::size_t(axis)]};
     };
-    front.column = lateral(front.axis.column, offsetColumn);
-    front.row = lateral(front.axis.row, offsetRow);
+    front.column = lateral(front.axis.column, offset.column);
+    front.row = lateral(front.axis.row, offset.row);
     front.stepLength = 1 / perSlice;
     front.crossSection = layout.voxelVolume * perSlice;
     front.reach = reach;

@@ -51,10 +51,15 @@ struct RayFront {
     }
 };
 
-/// The front for light that travels along `direction` (unit, world). `offsetColumn` and `offsetRow` in [0,1) place the
-/// lattice of rays: a fresh random pair in each sweep makes `nearest` unbiased.
-RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, double offsetColumn,
-                       double offsetRow, const Periodic& periodic);
+/// Where the lattice of rays is in the first slice, in [0,1).
+struct LatticeOffset {
+    double column = 0, row = 0;
+};
+
+/// The front for light that travels along `direction` (unit, world). A fresh random offset in each sweep makes
+/// `nearest` unbiased.
+RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, const LatticeOffset& offset,
+                       const Periodic& periodic);
 
 /// Half-open range of ray coordinates.
 struct RayRange {

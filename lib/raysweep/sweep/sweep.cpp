@@ -22,25 +22,33 @@ struct Crossing {
     CrossingRays* leaving = nullptr;
 };
 
+/// All of a sweep but its rays.
+struct Swept {
+    const SweepVolume& volume;
+    Interpolation interpolation;
+    const ExchangeFields& fields;
+    const ExchangeConstants& constants;
+};
+
 /// A sweep from one end of the bricks' bounding box to the other.
-std::vector<RaySums> sweepThrough(const SweepVolume& volume, const std::vector<Beam>& beams,
-                                  Interpolation interpolation, const ExchangeFields& fields,
-                                  const ExchangeConstants& constants, const Crossing& crossing = {}) {
-    const bool linear = interpolation == Interpolation::linear;
+std::vector<RaySums> sweepThrough(const Swept& what, const std::vector<Beam>& beams, const Crossing& crossing = {}) {
+    const ExchangeFields& fields = what.fields;
+    const bool linear = what.interpolation == Interpolation::linear;
     const RayFront& front = beams.front().front;
-    const BrickIndex& index = volume.indexFor(front.axis.major, interpolation);
+    const BrickIndex& index = what.volume.indexFor(front.axis.major, what.interpolation);
     std::vector<FrontRays> rays(beams.size());
     parallelFor(beams.size(), [&](std::size_t i) {
         rays[i] = FrontRays(beams[i], index, linear ? kBrickEdge : 0, fields.channels, fields.furnace.data != nullptr);
         rays[i].enter(beams[i], crossing.arriving);
     });
 
-    const Wavefront wavefront(volume, front, index, linear);
+    const Wavefront wavefront(what.volume, front, index, linear);
     const SweptBeams swept{beams, rays};
     parallelWavefront(wavefront.slabs(), wavefront.strips(), [&](int slab, int strip) {
         const FlushDenormals flush;  // rays deep in smoke fade into them: they would cost half the time
         const std::vector<BrickVisit> visits = wavefront.visits(slab, strip);
-        linear ? exchangeLinear(swept, visits, fields, constants) : exchangeNearest(swept, visits, fields, constants);
+        linear ? exchangeLinear(swept, visits, fields, what.constants)
+               : exchangeNearest(swept, visits, fields, what.constants);
     });
 
     std::vector<RaySums> sums(beams.size());
@@ -65,7 +73,7 @@ RaySums sweepAround(const SweepVolume& volume, Beam beam, Interpolation interpol
     CrossingRays arriving(beam.front, fields.channels, furnace.data),
         leaving(beam.front, fields.channels, furnace.data);
     const auto once = [&] {
-        return sweepThrough(volume, {beam}, interpolation, fields, constants, {&arriving, &leaving})[0];
+        return sweepThrough({volume, interpolation, fields, constants}, {beam}, {&arriving, &leaving})[0];
     };
     RaySums totals = once();
     constants.zeta = 0;
@@ -100,7 +108,7 @@ std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& b
         throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) +
                               " beams, and one in a periodic volume");
     if (first.periodic) return {sweepAround(volume, beams[0], interpolation, fields, constants)};
-    return sweepThrough(volume, beams, interpolation, fields, constants);
+    return sweepThrough({volume, interpolation, fields, constants}, beams);
 }
 
 void settle(const SweepVolume& volume, const std::vector<Beam>& beams, const ExchangeFields& fields,

@@ -23,17 +23,16 @@ RayRange shiftsIn(const Lateral& lateral, int slice) {
     return {least, most + 1};
 }
 
-/// Calls `visit(i)` for the images (by i periods) of coordinates [low, high) that rays meet in the layer at `slice`,
-/// upwind ones first; without a period that is image 0.
+/// Calls `visit(i)` for the images (by i periods) of the volume that rays meet along a lateral axis in the layer at
+/// `slice`, upwind ones first; without a period that is image 0.
 template <class Visit>
-void forEachImage(const RayFront& front, const Lateral& lateral, int slice, int low, int high, bool up,
-                  const Visit& visit) {
+void forEachImage(const RayFront& front, const Lateral& lateral, int slice, const Visit& visit) {
     if (!lateral.periodic) return visit(0);
     const RayRange shifts = shiftsIn(lateral, slice);
     const int period = lateral.size();
-    const int first = floorDivide(lateral.low - front.reach + shifts.begin - high, period) + 1;
-    const int last = floorDivide(lateral.high + shifts.end - 2 - low, period);
-    for (int i = 0; i <= last - first; ++i) visit(up ? first + i : last - i);
+    const int first = floorDivide(lateral.low - front.reach + shifts.begin - lateral.high, period) + 1;
+    const int last = floorDivide(lateral.high + shifts.end - 2 - lateral.low, period);
+    for (int i = 0; i <= last - first; ++i) visit(lateral.slope >= 0 ? first + i : last - i);
 }
 
 /// Rows of a periodic volume as often as rays may meet them.
@@ -89,7 +88,7 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
     for (std::size_t n = 0; n < last - first; ++n) {
         const BrickIndex::Layer& layer = index_.layers()[front_.ascending ? first + n : last - 1 - n];
         const int slice = front_.sliceNumber(layer.layer);
-        forEachImage(front_, front_.row, slice, front_.row.low, front_.row.high, rowsUp_, [&](int image) {
+        forEachImage(front_, front_.row, slice, [&](int image) {
             const int offset = image * front_.row.size();
             const auto [firstRow, endRow] = index_.findRows(layer, range.begin - offset, range.end - offset);
             for (std::size_t i = 0; i < endRow - firstRow; ++i)
@@ -100,7 +99,7 @@ std::vector<BrickVisit> Wavefront::visits(int slab, int strip) const {
 }
 
 void Wavefront::addRow(const BrickIndex::Row& row, int image, int slice, std::vector<BrickVisit>& to) const {
-    forEachImage(front_, front_.column, slice, front_.column.low, front_.column.high, columnsUp_, [&](int columnImage) {
+    forEachImage(front_, front_.column, slice, [&](int columnImage) {
         for (std::size_t i = 0; i < row.end - row.first; ++i)
             to.push_back(visitOf(index_.entries()[columnsUp_ ? row.first + i : row.end - 1 - i], row, columnImage,
                                  image, slice));

@@ -26,7 +26,7 @@ float similarAlbedo(double albedo, double g) {
 const FloatGrid& requireGrey(const openvdb::GridBase& albedo, const FloatGrid& density) {
     if (!albedo.isType<FloatGrid>())
         throw InvalidArgument("the albedo grid '" + albedo.getName() + "' is of type " + albedo.valueType() +
-                              "; with g other than 0 albedo must be grey (float), as extinction is one for all "
+                              "; with `g` other than 0 `albedo` must be grey (float), as extinction is one for all "
                               "wavelengths");
     checkAlbedo(albedo);
     requireSameTransform(albedo, density);
@@ -73,7 +73,7 @@ Medium similarIsotropicMedium(const Medium& medium, double g) {
     }
     if (!isGrey(medium.albedo))
         throw InvalidArgument(
-            "with g other than 0 albedo must be grey: one number, as extinction is one for all wavelengths");
+            "with `g` other than 0 `albedo` must be grey: one number, as extinction is one for all wavelengths");
     similar.extinctionScale *= extinctionFactor(double(medium.albedo.x), g);
     similar.albedo = grey(similarAlbedo(double(medium.albedo.x), g));
     return similar;

@@ -57,7 +57,7 @@ TEST(SurfaceVoxels, GradientOfALinearFieldIsExactAcrossBricks) {
 TEST(SurfaceVoxels, OnlyTheLayerAtTheFaceOfASolidIsSurface) {
     const Block block([](const Index3& v) { return v.z < 0 ? 4.6 : 0.0; });
     const Surfaces surfaces =
-        findSurfaces(block.layout, BrickMap(block.layout), block.field, {true, true, false}, 1, 0.1);
+        findSurfaces(block.layout, BrickMap(block.layout), block.field, {true, true, false}, {1, 0.1});
     // The upper face and, since outside of all bricks is empty, the lower one.
     EXPECT_EQ(countSurfaceVoxels(surfaces), 2u * 16 * 16);
     const BrickMap map(block.layout);
@@ -72,7 +72,7 @@ TEST(SurfaceVoxels, NormalsAreWorldVectors) {
     Block block([](const Index3& v) { return v.x + v.z < 0 ? 4.6 : 0.0; });
     block.layout.worldFromIndex = Matrix3(1, 0, 0, 0, 1, 0, 0, 0, 3);  // z is stretched: the face leans towards x
     block.layout.voxelVolume = 3;
-    const Surfaces surfaces = findSurfaces(block.layout, BrickMap(block.layout), block.field, {}, 1, 0.1);
+    const Surfaces surfaces = findSurfaces(block.layout, BrickMap(block.layout), block.field, {}, {1, 0.1});
     const Index3 voxel(0, 0, -1);
     const PackedNormal* const normals = surfaces.normals(BrickMap(block.layout).find(voxel));
     ASSERT_NE(normals, nullptr);

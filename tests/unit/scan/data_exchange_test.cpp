@@ -229,5 +229,5 @@ TEST(DataExchange, ToothScanGivesLineIntegrals) {
     double worst = 0;
     for (std::size_t p = 0; p < expected.size(); ++p)
         raiseTo(worst, std::abs(double(expected[p]) - tooth.projections.values[p]));
-    EXPECT_LT(worst, 1e-4);  // single precision in a logarithm's argument that goes down to 0.01
+    EXPECT_LE(worst, 1.3e-7);  // found 1.2e-7: the last bit of a float above 1
 }

@@ -250,7 +250,14 @@ TEST_F(ScanFiles, Hdf5HasItsOwnFramesAnglesAndAxis) {
     options.axisSearch = AxisSearch::never;
     EXPECT_FALSE(readScan(options).found.axis);
     options.flat = "flat.exr";
-    expectRefused(options, "HDF5 files hold their own");
+    expectRefused(options, "flat: HDF5 files hold their own");
+    options.flat.clear();
+    options.dark = "dark.exr";
+    expectRefused(options, "dark: HDF5 files hold their own");
+    options.dark.clear();
+    options.rows = RowRange{0, 1};
+    options.geometry.beam = BeamShape::cone;
+    expectRefused(options, "rows: of a cone need `centerRow` as well");
 }
 
 TEST_F(ScanFiles, WhatIsHardlyMeantIsSaid) {
@@ -295,7 +302,7 @@ TEST_F(ScanFiles, WhatCannotBeAScanIsRefused) {
         return options;
     };
     expectRefused({}, "projections: give at least one");
-    expectRefused(with([](ScanOptions& o) { o.dark = "dark.exr"; }), "dark: needs flat");
+    expectRefused(with([](ScanOptions& o) { o.dark = "dark.exr"; }), "dark: needs `flat` as well");
     expectRefused(with([](ScanOptions& o) { o.rows = RowRange{0, 1}; }), "rows: only of HDF5");
     expectRefused(with([](ScanOptions& o) { o.scale = 0; }), "scale 0: must be positive");
     expectRefused(with([](ScanOptions& o) { o.saturation = kNaN; }), "saturation nan: must be positive");

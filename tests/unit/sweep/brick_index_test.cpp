@@ -98,7 +98,7 @@ TEST(FrontRays, EveryVoxelMeetsExactlyOneRay) {
         if (trial < 3) direction = Vec3(trial == 0, trial == 1, trial == 2);
         if (trial == 3) direction = Vec3(-1, 1, 1);
         const RayFront front =
-            parallelFront(volume.layout, direction, 0, uniform01(random), uniform01(random), volume.periodic);
+            parallelFront(volume.layout, direction, 0, {uniform01(random), uniform01(random)}, volume.periodic);
         const std::vector<int> met = raysMet(volume, front);
         EXPECT_EQ(std::count(met.begin(), met.end(), 1), std::ptrdiff_t(met.size())) << "trial " << trial;
     }
@@ -115,7 +115,7 @@ TEST(FrontRays, EveryVoxelMeetsOneRayInAPeriodicVolume) {
         for (int trial = 0; trial < 16; ++trial) {
             const Vec3 direction = directions.nextGroup(1).front();
             if (majorAxis(direction) != 2) continue;
-            const RayFront front = parallelFront(volume.layout, direction, 0, 0.3, 0.8, volume.periodic);
+            const RayFront front = parallelFront(volume.layout, direction, 0, {0.3, 0.8}, volume.periodic);
             EXPECT_EQ(countRaysThatEnter(front), double(edge) * edge);
             const std::vector<int> met = raysMet(volume, front);
             EXPECT_EQ(std::count(met.begin(), met.end(), 1), std::ptrdiff_t(met.size())) << edge << " trial " << trial;
@@ -127,7 +127,7 @@ TEST(Wavefront, MeetsEveryBrickOnceAndNoneBeforeOneUpwind) {
     const SweepVolume volume(scatteredLayout(0.3));
     DirectionSequence directions({DirectionSet::fibonacci, 12, 2});
     for (int trial = 0; trial < 12; ++trial) {
-        const RayFront front = parallelFront(volume.layout, directions.nextGroup(1).front(), 0, 0.2, 0.7, {});
+        const RayFront front = parallelFront(volume.layout, directions.nextGroup(1).front(), 0, {0.2, 0.7}, {});
         const Wavefront wavefront(volume, front, volume.indexFor(front.axis.major, Interpolation::nearest), false);
         // Cells in an order that a wavefront may take: strip by strip.
         std::vector<int> cellOf(volume.layout.brickCount(), -1), stepOf = cellOf;

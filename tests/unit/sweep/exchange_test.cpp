@@ -33,7 +33,7 @@ constexpr double kSetsDiffer = 5.2e-7;  ///< found 4.8e-7
 /// A beam along `direction`, with powers of its own.
 Beam makeBeam(const ExchangeVolume& volume, const Vec3& direction, int reach, int number) {
     Beam beam;
-    beam.front = parallelFront(volume.sweepVolume.layout, direction, reach, 0.31, 0.77, volume.sweepVolume.periodic);
+    beam.front = parallelFront(volume.sweepVolume.layout, direction, reach, {0.31, 0.77}, volume.sweepVolume.periodic);
     beam.stepScale = float(beam.front.stepLength / volume.escape.meanStepLength());
     for (int c = 0; c < volume.channels; ++c) beam.entering[c] = 0.5f + 0.25f * float(c) + 0.1f * float(number);
     beam.furnaceRay = 0.7f;
@@ -131,7 +131,7 @@ void expectSameAsPlain(const std::vector<Vec3>& directions, const ExchangeCase& 
 }
 
 constexpr Interpolation kInterpolations[] = {Interpolation::nearest, Interpolation::linear};
-constexpr ExchangeModel kModels[] = {ExchangeModel::consistent, ExchangeModel::paper};
+constexpr ExchangeModel kModels[] = {ExchangeModel::corrected, ExchangeModel::asPrinted};
 
 }  // namespace
 
@@ -167,7 +167,7 @@ TEST(Exchange, AgreesWithItsFormulasInThinAndThickMediaAndPeriodicVolumes) {
 TEST(Exchange, InPeriodicVolumesIsTheSameOnAllInstructionSets) {
     for (const Interpolation interpolation : kInterpolations)
         for (const Vec3& direction : {Vec3(1, -0.3, 0.45), Vec3(-0.3, 0.9, 1)}) {
-            const ExchangeCase of{interpolation, ExchangeModel::consistent, 1, true, 20, {true, true, true}};
+            const ExchangeCase of{interpolation, ExchangeModel::corrected, 1, true, 20, {true, true, true}};
             const ExchangeVolume before(of);
             ExchangeVolume best(of), volume(of);
             const std::vector<Beam> beams{makeBeam(before, direction, of.reach(), 0)};
@@ -193,7 +193,7 @@ TEST(Exchange, OfSeveralBeamsIsThatOfEachInTheSameVolume) {
                 directions.push_back(directionAlong(major, way, slope * way, -0.83 * slope));
             for (const Interpolation interpolation : kInterpolations)
                 for (const int channels : {1, 3})
-                    expectSameAsPlain(directions, {interpolation, ExchangeModel::consistent, channels});
+                    expectSameAsPlain(directions, {interpolation, ExchangeModel::corrected, channels});
         }
 }
 
@@ -214,10 +214,10 @@ TEST(Exchange, EffectiveAlbedoIsThatOfItsFormulaOnAllInstructionSets) {
         tau[i] = std::min(kThickest, std::pow(10.0f, float(i) * 16 / kBrickVoxels - 9));
     test::forEachInstructionSet([&] {
         for (const ExchangeModel model : kModels) {
-            effectiveAlbedos(model, fit, nullptr, tau, conservative, g);
+            effectiveAlbedos({model, fit}, nullptr, tau, conservative, g);
             for (int i = 0; i < kBrickVoxels; ++i) EXPECT_EQ(g[i], 1) << "optical depth " << tau[i];
         }
-        effectiveAlbedos(ExchangeModel::consistent, fit, nullptr, tau, albedo, g);
+        effectiveAlbedos({ExchangeModel::corrected, fit}, nullptr, tau, albedo, g);
         for (int i = 0; i < kBrickVoxels; ++i) {
             const double p = fit.probability(double(tau[i]));
             const double expected = double(albedo[i]) * leavingShare(double(albedo[i]), p);

@@ -38,12 +38,12 @@ VoxelTerms termsOf(const PlainBeam& plain, PackedNormal normal, double tau, doub
     const double along = tau * double(plain.beam.stepScale), opacity = -std::expm1(-along);
     if (normal != 0) {
         const double cosine = cosineOf(plain, normal);
-        const bool paper = plain.model == ExchangeModel::paper;
+        const bool paper = plain.model == ExchangeModel::asPrinted;
         const double shot = paper ? double(plain.zeta) : std::min(double(plain.mostShot), 4 * double(plain.zeta));
         if (cosine > 0) return {0, shot * std::min(1.0, cosine), albedo};
         return {opacity * (paper ? std::min(1.0, -cosine) : 1), 0, albedo};
     }
-    if (plain.model == ExchangeModel::paper) return {opacity, double(plain.zeta), albedo};
+    if (plain.model == ExchangeModel::asPrinted) return {opacity, double(plain.zeta), albedo};
     const double p = plain.escape.probability(tau);
     const double ratio = along > 0 ? opacity / along : 1;
     return {opacity, std::min(double(plain.mostShot), double(plain.zeta) * ratio / p),

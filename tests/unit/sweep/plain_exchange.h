@@ -13,7 +13,7 @@ namespace raysweep::test {
 /// What is exchanged, and how.
 struct ExchangeCase {
     Interpolation interpolation = Interpolation::nearest;
-    ExchangeModel model = ExchangeModel::consistent;
+    ExchangeModel model = ExchangeModel::corrected;
     int channels = 1;
     bool surfaces = true;  ///< in every other brick
     double thickest = 20;  ///< tau; up to 1.5 / step scale kernels have a shorter formula

@@ -50,7 +50,7 @@ TEST(RayFront, RaysThatEnterAreThoseFoundByTrying) {
         if (trial < 6) direction = Vec3(trial / 2 == 0, trial / 2 == 1, trial / 2 == 2) * (trial % 2 ? 1.0 : -1.0);
         if (trial == 6) direction = Vec3(1, 1, 1);  // slopes of exactly 1
         const Periodic periodic{trial % 5 == 1, trial % 5 == 2, trial % 7 == 3};
-        RayFront front = parallelFront(layout, direction, trial % 2, uniform01(random), uniform01(random), periodic);
+        RayFront front = parallelFront(layout, direction, trial % 2, {uniform01(random), uniform01(random)}, periodic);
         front.periodic = false;
         const auto expected = raysByTrying(front);
         std::set<std::pair<int, int>> found;
@@ -68,7 +68,7 @@ TEST(RayFront, RaysThatEnterAreThoseFoundByTrying) {
 TEST(RayFront, CrossSectionAndStepBelongToTheDirection) {
     const BrickLayout layout = boxLayout({0, 0, 0}, {8, 8, 8});
     const Vec3 direction = Vec3(1, 2, -3).normalized();
-    const RayFront front = parallelFront(layout, direction, 0, 0, 0, {});
+    const RayFront front = parallelFront(layout, direction, 0, {}, {});
     EXPECT_EQ(front.axis.major, 2);
     EXPECT_FALSE(front.ascending);
     EXPECT_EQ(front.firstSlice, 7);
@@ -78,7 +78,7 @@ TEST(RayFront, CrossSectionAndStepBelongToTheDirection) {
     BrickLayout longer = layout;
     longer.worldFromIndex = Matrix3(0.1, 0, 0, 0, 1, 0, 0, 0, 1);
     longer.voxelVolume = 0.1;
-    const RayFront other = parallelFront(longer, direction, 0, 0, 0, {});
+    const RayFront other = parallelFront(longer, direction, 0, {}, {});
     EXPECT_EQ(other.axis.major, 0);
     EXPECT_LE(std::abs(other.stepLength - 0.1 / direction.x), 1e-14);
     EXPECT_LE(std::abs(other.crossSection - direction.x), 1e-14);
@@ -89,7 +89,7 @@ TEST(RayFront, RaysGoOnIntoTheNextRepetition) {
     const BrickLayout layout = boxLayout({0, 0, -8}, {8, 16, 24});
     const Vec3 direction = Vec3(3, -0.7, 0.9).normalized();  // major axis x
     const Periodic periodic{true, true, false};
-    const RayFront first = parallelFront(layout, direction, 0, 0.3, 0.6, periodic);
+    const RayFront first = parallelFront(layout, direction, 0, {0.3, 0.6}, periodic);
     ASSERT_TRUE(first.periodic);
     RayFront front = first;
     int row = 5, column = -2;

@@ -1,12 +1,14 @@
-#include "slices.h"
+#include "raysweep/volume/middle_slices.h"
 
+#include "raysweep/core/require.h"
 #include "raysweep/image/image_io.h"
 
 #include <algorithm>
 #include <limits>
+#include <string>
 #include <vector>
 
-namespace raysweep::apps {
+namespace raysweep {
 namespace {
 
 constexpr int kGap = 4;       ///< pixels between slices
@@ -21,6 +23,8 @@ constexpr Slice kSlices[] = {{2, 0, 1}, {1, 0, 2}, {0, 1, 2}};
 }  // namespace
 
 Image middleSlices(const openvdb::FloatGrid& grid, const Index3& dims) {
+    for (int axis = 0; axis < 3; ++axis)
+        requireField(dims[axis] >= 1, "dims[" + std::to_string(axis) + "]", dims[axis], "at least 1");
     std::vector<Slice> shown;
     int width = -kGap, height = 0;
     for (const Slice& slice : kSlices) {
@@ -53,4 +57,4 @@ Image middleSlices(const openvdb::FloatGrid& grid, const Index3& dims) {
     return image;
 }
 
-}  // namespace raysweep::apps
+}  // namespace raysweep
