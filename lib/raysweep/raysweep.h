@@ -20,6 +20,8 @@
 #include "raysweep/illuminate/illuminate.h"
 #include "raysweep/image/compare.h"
 #include "raysweep/image/image_io.h"
+#include "raysweep/image/matte_picture.h"
+#include "raysweep/image/matting.h"
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/phantoms/engine_room.h"
 #include "raysweep/phantoms/exact_projections.h"

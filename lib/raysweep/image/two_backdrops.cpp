@@ -1,0 +1,153 @@
+// A pair of pictures before two backdrops: see matteOfPair in matting.h for equation and source.
+#include "raysweep/core/error.h"
+#include "raysweep/image/matte_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+namespace raysweep {
+namespace {
+
+constexpr std::size_t kSamples = 20000;  ///< pixels at which shifts are tried: their mean is good to a percent
+constexpr double kClearly = 0.75;        ///< a better shift leaves less than this share of the inconsistency
+constexpr double kRounding = 1e-8;       ///< inconsistency that floats and nothing else leave, with room
+
+/// What the six equations of a pixel say.
+struct Triangulated {
+    float uncovered;     ///< 1 - alpha by least squares, not clamped
+    float outOfRange;    ///< how far alpha is outside [0,1]
+    float disagreement;  ///< what the equation of the channel that fits worst is off by
+    double square;       ///< of all that does not fit
+};
+
+struct Backdrops {
+    Color white, black, difference;
+    float square;  ///< |W - B|^2
+    explicit Backdrops(const MattingOptions& options)
+        : white(options.whiteBackdrop),
+          black(options.blackBackdrop),
+          difference(white - black),
+          square(difference.dot(difference)) {}
+};
+
+Triangulated triangulate(const Color& onWhite, const Color& onBlack, const Backdrops& backdrops) {
+    const Color change = onWhite - onBlack;
+    Triangulated result;
+    result.uncovered = change.dot(backdrops.difference) / backdrops.square;
+    result.outOfRange = std::max({0.0f, -result.uncovered, result.uncovered - 1});
+    const Color misfit = change - backdrops.difference * result.uncovered;
+    result.disagreement = std::max({std::abs(misfit.x), std::abs(misfit.y), std::abs(misfit.z)});
+    result.square =
+        double(misfit.dot(misfit)) + double(result.outOfRange) * double(result.outOfRange) * double(backdrops.square);
+    return result;
+}
+
+/// A rectangle of pixels, the ends not included.
+struct Window {
+    int left, top, right, bottom;
+    std::size_t pixels() const { return std::size_t(right - left) * std::size_t(bottom - top); }
+};
+
+bool shows(const Image& picture, int x, int y, const Color& backdrop, float tolerance) {
+    const Color difference = colourOf(picture.at(x, y), picture.channels) - backdrop;
+    return std::max({std::abs(difference.x), std::abs(difference.y), std::abs(difference.z)}) <= tolerance;
+}
+
+/// Around all that is not backdrop in both pictures, and `reach` more, but `reach` away from their border.
+Window windowAround(const Image& onWhite, const Image& onBlack, const MattingOptions& options, int reach) {
+    Window window = {onWhite.width, onWhite.height, 0, 0};
+    const float tolerance = float(options.tolerance);
+    for (int y = 0; y < onWhite.height; ++y)
+        for (int x = 0; x < onWhite.width; ++x) {
+            if (shows(onWhite, x, y, options.whiteBackdrop, tolerance) &&
+                shows(onBlack, x, y, options.blackBackdrop, tolerance))
+                continue;
+            window.left = std::min(window.left, x), window.right = std::max(window.right, x + 1);
+            window.top = std::min(window.top, y), window.bottom = std::max(window.bottom, y + 1);
+        }
+    window.left = std::max(window.left - reach, reach), window.top = std::max(window.top - reach, reach);
+    window.right = std::min(window.right + reach, onWhite.width - reach);
+    window.bottom = std::min(window.bottom + reach, onWhite.height - reach);
+    return window;
+}
+
+/// Mean of what does not fit if the black picture is moved back by (dx,dy).
+double inconsistencyAt(const Image& onWhite, const Image& onBlack, const Backdrops& backdrops, const Window& window,
+                       int dx, int dy) {
+    const std::size_t width = std::size_t(window.right - window.left), pixels = window.pixels();
+    // A stride that is odd and no divisor of the width soon comes by every column.
+    std::size_t stride = std::max<std::size_t>(1, pixels / kSamples) | 1;
+    while (stride > 1 && width % stride == 0) stride += 2;
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < pixels; i += stride, ++count) {
+        const int x = window.left + int(i % width), y = window.top + int(i / width);
+        sum += triangulate(colourOf(onWhite.at(x, y), onWhite.channels),
+                           colourOf(onBlack.at(x + dx, y + dy), onBlack.channels), backdrops)
+                   .square;
+    }
+    return sum / double(count);
+}
+
+void requirePair(const Image& onWhite, const Image& onBlack) {
+    requireOpaquePicture(onWhite, "the picture before white");
+    requireOpaquePicture(onBlack, "the picture before black");
+    const auto size = [](const Image& image) {
+        return std::to_string(image.width) + "x" + std::to_string(image.height);
+    };
+    if (onWhite.width != onBlack.width || onWhite.height != onBlack.height)
+        throw InvalidArgument("the pictures before white and black differ in size: " + size(onWhite) + " and " +
+                              size(onBlack) + "; a pair is taken by one camera that does not move");
+}
+
+}  // namespace
+
+std::optional<Misregistration> findMisregistration(const Image& onWhite, const Image& onBlack,
+                                                   const MattingOptions& options) {
+    const int reach = std::min(options.searchRadius, (std::min(onWhite.width, onWhite.height) - 1) / 4);
+    if (reach <= 0) return {};
+    const Window window = windowAround(onWhite, onBlack, options, reach);
+    if (window.left >= window.right || window.top >= window.bottom) return {};
+    const Backdrops backdrops(options);
+    const double atRest = inconsistencyAt(onWhite, onBlack, backdrops, window, 0, 0);
+    Misregistration best = {0, 0, atRest, atRest};
+    for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+            const double then = inconsistencyAt(onWhite, onBlack, backdrops, window, x, y);
+            if (then < best.inconsistencyThen) best = {x, y, atRest, then};
+        }
+    if (atRest < kRounding || best.inconsistencyThen >= kClearly * atRest) return {};
+    return best;
+}
+
+Matte matteOfPair(const Image& onWhite, const Image& onBlack, const MattingOptions& options) {
+    options.validate();
+    requirePair(onWhite, onBlack);
+    const Backdrops backdrops(options);
+    const float tolerance = float(options.tolerance);
+    Matte matte;
+    matte.image = Image(onWhite.width, onWhite.height, 4);
+    matte.inconsistent.assign(matte.image.pixels.size() / 4, 0);
+    for (std::size_t p = 0; p < matte.inconsistent.size(); ++p) {
+        const Color white = colourOf(&onWhite.pixels[p * std::size_t(onWhite.channels)], onWhite.channels);
+        const Color black = colourOf(&onBlack.pixels[p * std::size_t(onBlack.channels)], onBlack.channels);
+        const Triangulated found = triangulate(white, black, backdrops);
+        const float uncovered = std::min(std::max(found.uncovered, 0.0f), 1.0f);
+        const Color colour = ((white + black) - (backdrops.white + backdrops.black) * uncovered) * 0.5f;
+        const float lowest = std::min({colour.x, colour.y, colour.z});
+        const bool outOfRange = found.outOfRange > tolerance || lowest < -tolerance;
+        const bool disagreeing = found.disagreement > tolerance;
+        matte.report.outOfRange += outOfRange;
+        matte.report.disagreeing += disagreeing;
+        matte.report.inconsistent += matte.inconsistent[p] = outOfRange || disagreeing;
+        setPixel(matte.image, p, Color(std::max(colour.x, 0.0f), std::max(colour.y, 0.0f), std::max(colour.z, 0.0f)),
+                 1 - uncovered);
+    }
+    countCoverage(matte);
+    matte.report.misregistration = findMisregistration(onWhite, onBlack, options);
+    return matte;
+}
+
+}  // namespace raysweep
