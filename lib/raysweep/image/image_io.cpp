@@ -91,11 +91,15 @@ std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = 
     if (isVolume(path)) failToRead(path, std::string("it is an OpenVDB volume") + kGivePicture);
     if (isExr(path))
         if (auto file = openExr(path)) return file;
-    if (isCutJpeg(path)) failToRead(path, "it ends early: the JPEG's end mark is missing");
     std::string problem;
     const PictureFormats* const formats = pictureFormats(problem);
     if (!formats) failToRead(path, problem);
     return formats->open(path, alpha);
+}
+
+/// Readers of JPEGs do not say that a file ends early. This takes reading it once more.
+void requireWhole(const std::string& path) {
+    if (isCutJpeg(path)) failToRead(path, "it ends early: the JPEG's end mark is missing");
 }
 
 /// The first page as it is, in floats. @param page is set to what it is
@@ -104,6 +108,7 @@ Image readStored(const std::string& path, PicturePage& page) {
     const auto file = openPicture(path, Alpha::asStored);
     page = file->page(0);
     if (page.depth > 1) failToRead(path, std::string("it has a depth of its own") + kGivePicture);
+    requireWhole(path);
     Image image(page.width, page.height, page.channels);
     file->readFloats(0, image.pixels.data());
     return image;
@@ -206,6 +211,11 @@ Image readCoverage(const std::string& path) {
     return coverage;
 }
 
+PictureSize pictureSize(const std::string& path) {
+    const PicturePage page = openPicture(path)->page(0);
+    return {page.width, page.height};
+}
+
 PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress) {
     PictureStack stack;
     std::vector<int> pages;
@@ -218,6 +228,7 @@ PictureStack readPictureStack(const std::vector<std::string>& files, const Progr
             stack.type = requireType(first, file);
         }
         requireSlice(first, stack, file, 0);
+        requireWhole(file);
         pages.push_back(picture->pages());
         stack.slices += pages.back();
     }

@@ -14,10 +14,10 @@ bool isRestart(int mark) {
 }
 
 /// Goes on to behind the next mark, through coded data and filling. @return the mark, or -1 if the file ends before
-int nextMark(std::istream& file) {
-    for (int byte; (byte = file.get()) != EOF;) {
+int nextMark(std::filebuf& file) {
+    for (int byte; (byte = file.sbumpc()) != EOF;) {
         if (byte != 0xFF) continue;
-        while ((byte = file.get()) == 0xFF) continue;
+        while ((byte = file.sbumpc()) == 0xFF) continue;
         if (byte != 0 && !isRestart(byte)) return byte;
     }
     return -1;
@@ -26,16 +26,16 @@ int nextMark(std::istream& file) {
 }  // namespace
 
 bool isCutJpeg(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (file.get() != 0xFF || file.get() != kStart || file.get() != 0xFF) return false;
-    file.unget();
+    std::filebuf file;
+    if (!file.open(path, std::ios::in | std::ios::binary)) return false;
+    if (file.sbumpc() != 0xFF || file.sbumpc() != kStart || file.sgetc() != 0xFF) return false;
     for (;;) {
         const int mark = nextMark(file);
         if (mark == kEnd) return false;
         if (mark < 0) return true;
-        const int high = file.get(), low = file.get();
+        const int high = file.sbumpc(), low = file.sbumpc();
         if (low == EOF) return true;
-        file.seekg(256 * high + low - 2, std::ios::cur);  // reading behind the end fails later
+        file.pubseekoff(256 * high + low - 2, std::ios::cur);  // reading behind the end fails later
     }
 }
 
