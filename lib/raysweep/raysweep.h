@@ -14,6 +14,7 @@
 #pragma once
 
 #include "raysweep/camera/camera.h"
+#include "raysweep/camera/photograph_files.h"
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/camera/projections.h"
 #include "raysweep/formats/volume_import.h"
