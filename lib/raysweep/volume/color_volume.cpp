@@ -79,6 +79,16 @@ openvdb::GridPtrVec gridsOf(const ColorVolume& volume) {
     return grids;
 }
 
+ColorPower powerOf(const ColorVolume& volume) {
+    const FloatGrid::Ptr opacity = opacityGrid(*volume.density);
+    const openvdb::Vec3STree& color = volume.color->tree();
+    return sumOverActive<ColorPower>(*opacity, [&](ColorPower& sum, float alpha, const openvdb::CoordBBox& box) {
+        const openvdb::Vec3d seen(color.getValue(box.min()) * alpha);
+        const double voxels = double(box.volume());
+        sum += {voxels * alpha * alpha, voxels * seen.lengthSqr() / 3};
+    });
+}
+
 Vec3SGrid::Ptr colorGrid(const VdbFile& file) {
     for (const auto& grid : file.grids)
         if (grid->getName() == kColorName && grid->isType<Vec3SGrid>()) return openvdb::gridPtrCast<Vec3SGrid>(grid);

@@ -27,6 +27,16 @@ openvdb::Vec3SGrid::Ptr extendedColor(const openvdb::Vec3SGrid& color, const ope
 /// file's radiosity, of which grid and of which extinction per unit density (1) it is the colour.
 openvdb::GridPtrVec gridsOf(const ColorVolume& volume);
 
+/// Sums of squares over all voxels.
+struct ColorPower {
+    double opacity = 0;
+    double color = 0;  ///< of opacity times colour, mean over its three channels
+
+    void operator+=(const ColorPower& other) { opacity += other.opacity, color += other.color; }
+};
+
+ColorPower powerOf(const ColorVolume& volume);
+
 /// The colour grid of a file: a vec3s grid called "Cd"; null if there is none.
 openvdb::Vec3SGrid::Ptr colorGrid(const VdbFile& file);
 
