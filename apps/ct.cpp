@@ -109,6 +109,7 @@ nlohmann::ordered_json describe(const CtArguments& a, const Scan& scan, const Re
     const ReconstructionGrid& grid = result.grid;
     nlohmann::ordered_json json = {{"method", a.method},
                                    {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
+                                   {"center", {grid.center.x, grid.center.y, grid.center.z}},
                                    {"spacing", grid.spacing},
                                    {"voxels_active", result.volume->activeVoxelCount()},
                                    {"seconds", readSeconds + result.seconds.total},

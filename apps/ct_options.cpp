@@ -172,7 +172,7 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
     app.add_option("--spacing", a.reconstruct.grid.spacing,
                    "Edge of a voxel, world units (default: likewise, else a pixel's, seen at the axis)");
     app.add_option("--volume-center", a.center,
-                   "Middle of the volume, world units (default: likewise, else 0,0,0 with --size)")
+                   "Middle of the volume, world units (default: likewise, else of what the detector sees)")
         ->type_name("X,Y,Z");
     app.add_option("--tolerance", a.reconstruct.sart.tolerance, "Voxels this close to 0 are left out")
         ->capture_default_str();

@@ -110,6 +110,20 @@ ct c.mha --cone 120,180 -o a.vdb $grid --iterations 1
 ct c.mha --geometry c.json -o b.vdb $grid --iterations 1
 same a.vdb b.vdb
 
+# Where the geometry has its axis the object is looked for.
+python3 - <<'PY'
+import json
+geometry = json.load(open("c.json"))
+for view in geometry["views"]:
+    for point in ("source", "origin"):
+        view[point] = [a + b for a, b in zip(view[point], (500, -300, 200))]
+json.dump(geometry, open("far.json", "w"))
+PY
+ct c.mha --geometry c.json -o b.vdb $grid --iterations 1
+kept=$(python3 -c "import json; print(json.load(open('report.json'))['voxels_kept'])")
+ct c.mha --geometry far.json -o far.vdb $grid --iterations 1
+expect_json report.json "max(abs(a - b) for a, b in zip(r['center'], (500, -300, 200))) < 1e-5 and r['voxels_kept'] == $kept"
+
 # RTK's world has y as axis: what was projected by the same rays, said in JSON, comes back in its place.
 python3 - <<'END'
 import json, math

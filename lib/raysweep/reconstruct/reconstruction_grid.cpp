@@ -47,13 +47,49 @@ Seen seenOf(const ProjectionGeometry& geometry, const OrbitFit& orbit) {
     return seen;
 }
 
+/// Nothing if the views are not those of a turn.
+std::optional<OrbitFit> orbitOf(const ProjectionGeometry& geometry) {
+    try {
+        return fitOrbit(geometry);
+    } catch (const InvalidArgument&) {
+        return {};
+    }
+}
+
+/// The middle of what a turn's detector sees.
+Vec3 seenMiddle(const Seen& seen, const OrbitFit& orbit) {
+    return orbit.center + orbit.axis * (0.5 * (seen.low + seen.high));
+}
+
+/// The point that the rays through the detector's middle come closest to, in the sense of least squares; if they are
+/// all parallel, the one of those that is closest to the origin.
+Vec3 middleRaysMeet(const ProjectionGeometry& geometry) {
+    constexpr double kRidge = 1e-9;
+    Matrix3 normal(0.0);
+    Vec3 right(0);
+    for (const XrayView& view : geometry.views) {
+        const Vec3 middle = view.pixel(0.5 * (geometry.width - 1), 0.5 * (geometry.height - 1));
+        const Vec3 ray = (geometry.beam == BeamShape::cone ? middle - view.source : view.direction).normalized();
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < 3; ++b) normal[a][b] += (a == b ? 1 + kRidge : 0) - ray[a] * ray[b];
+        right += middle - ray * middle.dot(ray);
+    }
+    return right * normal.inverse();
+}
+
+/// @param spacing the middle is a multiple of a millionth of it, so that a fit's rounding does not show
+Vec3 middleSeen(const ProjectionGeometry& geometry, double spacing) {
+    const std::optional<OrbitFit> orbit = orbitOf(geometry);
+    Vec3 middle = orbit ? seenMiddle(seenOf(geometry, *orbit), *orbit) : middleRaysMeet(geometry);
+    const double unit = 1e-6 * spacing;
+    for (int axis = 0; axis < 3; ++axis) middle[axis] = std::round(middle[axis] / unit) * unit;
+    return middle;
+}
+
 /// All that the detector sees, which nobody can know if it does not turn.
 ReconstructionGrid turnedGrid(const ProjectionGeometry& geometry) {
-    try {
-        fitOrbit(geometry);
-    } catch (const InvalidArgument&) {
+    if (!orbitOf(geometry))
         throw InvalidArgument("the views are not those of a turn about an axis that is seen", Remedy::setSpacing);
-    }
     return coveringGrid(geometry);
 }
 
@@ -106,7 +142,7 @@ ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry) {
     const Seen seen = seenOf(geometry, orbit);
     ReconstructionGrid grid;
     grid.spacing = seen.pixel;
-    grid.center = orbit.center + orbit.axis * (0.5 * (seen.low + seen.high));
+    grid.center = seenMiddle(seen, orbit);
     for (int axis = 0; axis < 3; ++axis) {
         // The box about an upright or tilted cylinder.
         const double along = std::abs(orbit.axis[axis]), aside = std::sqrt(std::max(0.0, 1 - along * along));
@@ -143,7 +179,6 @@ ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const 
     if (options.spacing) grid.spacing = *options.spacing;
     if (options.dims) {
         grid.dims = *options.dims;
-        if (!frame) grid.center = Vec3(0);
     } else if (options.spacing) {
         for (int axis = 0; axis < 3; ++axis)
             grid.dims[axis] = int(std::clamp(std::round(extent[axis] / grid.spacing), 1.0, double(kMostVoxelsAlong)));
@@ -152,6 +187,8 @@ ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const 
         grid.center = *options.center;
     else if (frame)
         grid.center = snapped(grid, *frame);
+    else if (options.dims && options.spacing)
+        grid.center = middleSeen(geometry, grid.spacing);
     return grid;
 }
 

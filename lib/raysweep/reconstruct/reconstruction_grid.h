@@ -46,8 +46,10 @@ struct GridOptions {
 };
 
 /// The grid that was asked for. What was not is that of `frame`'s active voxels, else all that the detector sees
-/// (coveringGrid); with `dims` and no frame the middle is 0,0,0; with `spacing` alone the extent stays. The grid of a
-/// frame that is not moved to `center` is moved by less than a voxel, so that voxels lie on those of the frame.
+/// (coveringGrid); with `dims` and no frame the middle is that of what the detector sees or, if the views are no turn,
+/// where the rays through the detector's middle come closest to each other; with `spacing` alone the extent stays. The
+/// grid of a frame that is not moved to `center` is moved by less than a voxel, so that voxels lie on those of the
+/// frame.
 /// @param frame a volume with active voxels; may be null.
 /// @throw InvalidArgument as GridOptions::validate and coveringGrid; if what the detector sees must be known, but the
 /// views are not those of a turn; for a frame of voxels that are no cubes, unless `dims` and `spacing` are given.
