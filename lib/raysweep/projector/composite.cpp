@@ -284,6 +284,8 @@ HWY_INLINE float inverseOf(float rate) {
 /// What follows from the samples of one ray, front to back.
 class FrontToBack {
   public:
+    FrontToBack() : color_(setFour(0)) {}
+
     /// Takes `count` <= kChunk samples into account. @return how many, fewer if too little comes through
     HWY_INLINE int add(const CompositeVoxel* HWY_RESTRICT samples, float* HWY_RESTRICT transmittances, int count,
                        float length) {
@@ -313,7 +315,7 @@ class FrontToBack {
     }
 
   private:
-    Four color_ = setFour(0);
+    Four color_;
     float transmittance_ = 1;
     bool ended_ = false;
 };
