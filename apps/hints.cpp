@@ -15,6 +15,9 @@ struct Hint {
 
 /// By remedy and command; FILE is what the error is about.
 constexpr Hint kHints[] = {
+    {Remedy::chooseMatting, "photo",
+     ": give --matting black or white (a plain dark or bright backdrop; look at --threshold, too), known:R,G,B or "
+     "masks:DIR"},
     {Remedy::chooseSeries, "import", " with --series UID"},
     {Remedy::describeSamples, "import", "; if it holds nothing but samples, give --dims X,Y,Z and --type"},
     {Remedy::fillLevelSet, "light", "use --from-level-set to fill its inside with density 1, or "},
@@ -31,6 +34,8 @@ constexpr Hint kHints[] = {
     {Remedy::setSpacing, "import", "; if only the spacing is wrong, give --spacing X,Y,Z"},
     {Remedy::spaceSlicesByNumber, "import", "; give --spacing X,Y,Z to take the images in the order of their numbers"},
     {Remedy::spaceSlicesEvenly, "import", " --spacing X,Y,Z takes them as equally spaced"},
+    {Remedy::useOpenCvAxes, "photo", ": give --axes opencv"},
+    {Remedy::useOpenGlAxes, "photo", ": give --axes opengl"},
     {Remedy::useOriginal, "export", kExported},
     {Remedy::useOriginal, "light", kExported},
     {Remedy::useOriginal, "render", kExported},

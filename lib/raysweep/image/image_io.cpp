@@ -216,6 +216,11 @@ PictureSize pictureSize(const std::string& path) {
     return {page.width, page.height};
 }
 
+bool pictureHasAlpha(const std::string& path) {
+    const int channels = openPicture(path)->page(0).channels;
+    return channels == 2 || channels == 4;
+}
+
 PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress) {
     PictureStack stack;
     std::vector<int> pages;

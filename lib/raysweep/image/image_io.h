@@ -27,6 +27,9 @@ struct PictureSize {
 /// The size of the picture that `readImage` would read, from the file's beginning alone. @throw IoError likewise.
 PictureSize pictureSize(const std::string& path);
 
+/// Whether that picture has alpha: 2 or 4 channels. What it says is not looked at. @throw IoError as pictureSize.
+bool pictureHasAlpha(const std::string& path);
+
 /// Reads grey pictures as they are stored, in the order of `files`; all pages of a file that has several. Pictures of
 /// half floats become 32 bit floats.
 /// @throw InvalidArgument naming the file, and the page, whose size or type differs from the first or which has colour.
