@@ -4,15 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <limits>
 #include <string>
 
 namespace raysweep {
 namespace {
 
-constexpr std::size_t kSamples = 20000;  ///< pixels at which shifts are tried: their mean is good to a percent
-constexpr double kClearly = 0.75;        ///< a better shift leaves less than this share of the inconsistency
-constexpr double kRounding = 1e-8;       ///< inconsistency that floats and nothing else leave, with room
+constexpr std::size_t kSamples = 8000;  ///< pixels at which shifts are tried: their mean is good to some percent
+constexpr double kClearly = 0.75;       ///< a better shift leaves less than this share of the inconsistency
+constexpr double kRounding = 1e-8;      ///< inconsistency that floats and nothing else leave, with room
 
 /// What the six equations of a pixel say.
 struct Triangulated {
@@ -73,22 +73,36 @@ Window windowAround(const Image& onWhite, const Image& onBlack, const MattingOpt
     return window;
 }
 
-/// Mean of what does not fit if the black picture is moved back by (dx,dy).
-double inconsistencyAt(const Image& onWhite, const Image& onBlack, const Backdrops& backdrops, const Window& window,
-                       int dx, int dy) {
-    const std::size_t width = std::size_t(window.right - window.left), pixels = window.pixels();
-    // A stride that is odd and no divisor of the width soon comes by every column.
-    std::size_t stride = std::max<std::size_t>(1, pixels / kSamples) | 1;
+/// Every how manyth pixel of `window` is asked: odd and no divisor of the width, so that every column is come by soon.
+std::size_t strideOf(const Window& window) {
+    const std::size_t width = std::size_t(window.right - window.left);
+    std::size_t stride = std::max<std::size_t>(1, window.pixels() / kSamples) | 1;
     while (stride > 1 && width % stride == 0) stride += 2;
+    return stride;
+}
+
+/// Both pictures, and what is compared of them.
+struct Pair {
+    const Image &onWhite, &onBlack;
+    Backdrops backdrops;
+    Window window;
+};
+
+/// Mean of what does not fit if the black picture is moved back by (dx,dy); less than that, but above `limit`, if it is
+/// above that.
+double inconsistencyAt(const Pair& pair, int dx, int dy, double limit) {
+    const Window& window = pair.window;
+    const std::size_t width = std::size_t(window.right - window.left), pixels = window.pixels();
+    const std::size_t stride = strideOf(window);
+    const double count = double((pixels + stride - 1) / stride);
     double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < pixels; i += stride, ++count) {
+    for (std::size_t i = 0; i < pixels && sum <= limit * count; i += stride) {
         const int x = window.left + int(i % width), y = window.top + int(i / width);
-        sum += triangulate(colourOf(onWhite.at(x, y), onWhite.channels),
-                           colourOf(onBlack.at(x + dx, y + dy), onBlack.channels), backdrops)
+        sum += triangulate(colourOf(pair.onWhite.at(x, y), pair.onWhite.channels),
+                           colourOf(pair.onBlack.at(x + dx, y + dy), pair.onBlack.channels), pair.backdrops)
                    .square;
     }
-    return sum / double(count);
+    return sum / count;
 }
 
 void requirePair(const Image& onWhite, const Image& onBlack) {
@@ -108,17 +122,17 @@ std::optional<Misregistration> findMisregistration(const Image& onWhite, const I
                                                    const MattingOptions& options) {
     const int reach = std::min(options.searchRadius, (std::min(onWhite.width, onWhite.height) - 1) / 4);
     if (reach <= 0) return {};
-    const Window window = windowAround(onWhite, onBlack, options, reach);
-    if (window.left >= window.right || window.top >= window.bottom) return {};
-    const Backdrops backdrops(options);
-    const double atRest = inconsistencyAt(onWhite, onBlack, backdrops, window, 0, 0);
+    const Pair pair = {onWhite, onBlack, Backdrops(options), windowAround(onWhite, onBlack, options, reach)};
+    if (pair.window.left >= pair.window.right || pair.window.top >= pair.window.bottom) return {};
+    const double atRest = inconsistencyAt(pair, 0, 0, std::numeric_limits<double>::infinity());
+    if (atRest < kRounding) return {};
     Misregistration best = {0, 0, atRest, atRest};
     for (int y = -reach; y <= reach; ++y)
         for (int x = -reach; x <= reach; ++x) {
-            const double then = inconsistencyAt(onWhite, onBlack, backdrops, window, x, y);
+            const double then = inconsistencyAt(pair, x, y, best.inconsistencyThen);
             if (then < best.inconsistencyThen) best = {x, y, atRest, then};
         }
-    if (atRest < kRounding || best.inconsistencyThen >= kClearly * atRest) return {};
+    if (best.inconsistencyThen >= kClearly * atRest) return {};
     return best;
 }
 
