@@ -33,5 +33,6 @@ void addExport(CLI::App& app, int& exitCode);
 void addProject(CLI::App& app, int& exitCode);
 void addCt(CLI::App& app, int& exitCode);
 void addShoot(CLI::App& app, int& exitCode);
+void addPhoto(CLI::App& app, int& exitCode);
 
 }  // namespace raysweep::apps
