@@ -3,6 +3,7 @@
 #include "raysweep/image/image_io.h"
 #include "raysweep/image/matte_picture.h"
 #include "support/temporary_folder.h"
+#include "support/volumes.h"
 
 #include <gtest/gtest.h>
 
@@ -271,4 +272,20 @@ TEST_F(PhotographFiles, ReadingCanBeStopped) {
     const Photographs photographs = readPhotographs(views(3), {}, [](const std::string&, double) { return false; });
     EXPECT_FALSE(photographs.complete);
     EXPECT_TRUE(photographs.views.empty());
+}
+
+// Looked up in the picture: backdrop, two windows between columns, a column, the wall, a dark crack in it.
+TEST_F(PhotographFiles, TempleKeepsItsWindows) {
+    const std::string folder = test::findData("photos/temple");
+    if (folder.empty()) GTEST_SKIP() << "photos/temple is not on this machine; set RAYSWEEP_DATA";
+    Poses poses = readPoses(folder);
+    poses.views.resize(1);
+    const Photographs photographs = readPhotographs(poses, by(Matting::black));
+    const Image& matte = photographs.views[0].matte;
+    for (const auto& [x, y] : {std::pair(500, 50), std::pair(320, 222), std::pair(320, 310)})
+        EXPECT_EQ(matte.at(x, y)[3], 0) << x << " " << y;
+    for (const auto& [x, y] : {std::pair(300, 262), std::pair(480, 220), std::pair(457, 180)})
+        EXPECT_EQ(matte.at(x, y)[3], 1) << x << " " << y;
+    EXPECT_GT(photographs.reports[0].holes, 0u);
+    EXPECT_LT(photographs.reports[0].holePixels, 0.01 * double(photographs.reports[0].covered));
 }
