@@ -22,11 +22,14 @@ constexpr Hint kHints[] = {
     {Remedy::describeSamples, "import", "; if it holds nothing but samples, give --dims X,Y,Z and --type"},
     {Remedy::fillLevelSet, "light", "use --from-level-set to fill its inside with density 1, or "},
     {Remedy::giveExtinction, "render", "; give --extinction"},
+    {Remedy::giveExtinction, "shoot", "; give --extinction"},
     {Remedy::isNoLevelSet, "light", "; leave out --from-level-set"},
     {Remedy::isVolumeAlready, "import", "; 'raysweep light' takes it as it is"},
     {Remedy::keepVoxels, "render", "; light it without --upsample"},
+    {Remedy::keepVoxels, "shoot", "; light it without --upsample"},
     {Remedy::leaveOutRays, "ct", "; use --repair to leave such rays out as not measured"},
     {Remedy::lightFirst, "render", ": run 'raysweep light FILE -o LIT.vdb' first and render LIT.vdb"},
+    {Remedy::lightFirst, "shoot", ": run 'raysweep light FILE -o LIT.vdb' first and photograph LIT.vdb"},
     {Remedy::mapValues, "generate", "; import it with --normalize, or --scale and --offset"},
     {Remedy::repairVoxels, "import", kRepair},
     {Remedy::repairVoxels, "light", kRepair},
@@ -39,6 +42,7 @@ constexpr Hint kHints[] = {
     {Remedy::useOriginal, "export", kExported},
     {Remedy::useOriginal, "light", kExported},
     {Remedy::useOriginal, "render", kExported},
+    {Remedy::useOriginal, "shoot", kExported},
 };
 
 std::string filledIn(std::string text, const std::string& file) {

@@ -1,17 +1,14 @@
 #include "raysweep/render/rig.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace raysweep {
 namespace {
-
-/// Room left around the box, as a factor on its size in the picture.
-constexpr double kMargin = 1.02;
 
 const double kGoldenAngle = kPi * (3 - std::sqrt(5.0));
 
@@ -59,7 +56,7 @@ Room roomFor(const Camera& camera, const Box3& bounds) {
         const Vec3 p = Vec3(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
                             corner & 4 ? bounds.max.z : bounds.min.z) -
                        camera.target;
-        const double height = kMargin * std::max(std::abs(p.dot(up)), std::abs(p.dot(right)) / aspect);
+        const double height = kRigMargin * std::max(std::abs(p.dot(up)), std::abs(p.dot(right)) / aspect);
         room.distance = std::max(room.distance, height / top - p.dot(frame.forward));
         room.orthoWidth = std::max(room.orthoWidth, 2 * height * aspect);
     }
@@ -76,10 +73,6 @@ Camera lensOf(const RigOptions& options, const Vec3& middle) {
     lens.width = options.width;
     lens.height = options.height;
     return lens;
-}
-
-bool isFinite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 }  // namespace

@@ -11,6 +11,9 @@
 
 namespace raysweep {
 
+/// Room that cameras leave around a volume, as a factor on its size in the picture.
+constexpr double kRigMargin = 1.02;
+
 enum class RigOrbit {
     ring,   ///< evenly on a circle about the axis up: the paper's, all views in one plane
     sphere  ///< evenly on a sphere
