@@ -15,7 +15,7 @@ namespace {
 using namespace raysweep::apps;
 
 constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addImport,  addGenerate, addInfo,
-                                                     addCompare, addExport, addProject, addCt};
+                                                     addCompare, addExport, addProject, addCt,       addShoot};
 
 int fail(const std::string& what) {
     std::fprintf(stderr, "raysweep: %s\n", what.c_str());

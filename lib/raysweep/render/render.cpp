@@ -81,7 +81,7 @@ bool renderGrid(const RenderVolume::Content& volume, const CameraFrame& frame, c
 /// Checks what holds for radiosity, and makes the blocks.
 template <class RadiosityGrid>
 void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
-    checkVoxels(radiosity, "radiosity");
+    checkVoxels(radiosity, radiosity.getName().empty() ? "radiosity" : radiosity.getName());
     volume.radiosityFromWorld = affineMatrix(radiosity, "radiosity").inverse();
     const Int32Tree::Ptr occupied = occupancy(*volume.density);
     occupied->evalActiveVoxelBoundingBox(volume.bounds);
