@@ -51,6 +51,46 @@ struct SpanTable {
     std::size_t rays = 0;
 };
 
+/// A ray on its way through the cells of a layout.
+class CellWalk {
+  public:
+    CellWalk(const CompositeLayout& layout, const CompositeRay& ray) : cells_(layout.cells.data()), ray_(ray) {
+        const Index3 dims = layout.cellDims;
+        const int along[3] = {dims.y * dims.z, dims.z, 1};
+        stride_[0] = along[ray.axis];
+        stride_[1] = along[ray.axis == 0 ? 1 : 0];
+        stride_[2] = along[ray.axis == 2 ? 1 : 2];
+        const float rate[3] = {ray.step, ray.rate[0], ray.rate[1]};
+        for (int axis = 0; axis < 3; ++axis) inverse_[axis] = std::abs(rate[axis]) < 1e-9f ? 1e9f : 1 / rate[axis];
+    }
+
+    /// A sample behind `k`, before which nothing is seen; `k` itself if that may see something.
+    int next(int k) const {
+        const float place[3] = {ray_.start + float(k) * ray_.step, ray_.place[0] + float(k) * ray_.rate[0],
+                                ray_.place[1] + float(k) * ray_.rate[1]};
+        int whole[3];
+        std::ptrdiff_t cell = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            whole[axis] = (int(place[axis] + 8.0f) - 8) >> 2;
+            cell += (whole[axis] + 2) * std::ptrdiff_t(stride_[axis]);
+        }
+        const int distance = cells_[cell];
+        if (distance == 0) return k;
+        float least = 1e9f;
+        for (int axis = 0; axis < 3; ++axis) {
+            const float end = 4.0f * float(inverse_[axis] > 0 ? whole[axis] + distance : whole[axis] - distance + 1);
+            least = std::min(least, (end - place[axis]) * inverse_[axis]);
+        }
+        return k + std::max(1, int(std::ceil(least)));
+    }
+
+  private:
+    const std::uint8_t* cells_;
+    const CompositeRay& ray_;
+    int stride_[3];
+    float inverse_[3];
+};
+
 /// Layer of bricks that holds a slice, counted from the one around the volume.
 inline int layerOf(int slice) {
     return (slice >> 3) + 1;
@@ -142,25 +182,6 @@ class Sampler {
     }
 
     HWY_INLINE bool isEmpty(std::int32_t cell) const { return cells_[cell] != 0; }
-
-    /// The next sample behind `k` that is not known to see nothing; `k` itself if that may see something.
-    HWY_INLINE int skip(const CompositeRay& ray, const float (&inverse)[3], int k) const {
-        const float place[3] = {ray.start + float(k) * ray.step, ray.place[0] + float(k) * ray.rate[0],
-                                ray.place[1] + float(k) * ray.rate[1]};
-        int whole[3], cell = cellOrigin_;
-        for (int axis = 0; axis < 3; ++axis) {
-            whole[axis] = (int(place[axis] + 8.0f) - 8) >> 2;
-            cell += whole[axis] * cellStride_[axis];
-        }
-        const int distance = cells_[cell];
-        if (distance == 0) return k;
-        float least = 1e9f;
-        for (int axis = 0; axis < 3; ++axis) {
-            const float end = 4.0f * float(inverse[axis] > 0 ? whole[axis] + distance : whole[axis] - distance + 1);
-            least = std::min(least, (end - place[axis]) * inverse[axis]);
-        }
-        return k + std::max(1, int(std::ceil(least)));
-    }
 
     const int* brickStride() const { return brickStride_; }
 
@@ -276,11 +297,6 @@ HWY_INLINE void spreadFrom(const Sampler<kAxis>& sampler, const std::int32_t* ta
     inSlice(index + 4);
 }
 
-/// 1 / rate, not 0: how many samples it is to a place.
-HWY_INLINE float inverseOf(float rate) {
-    return std::abs(rate) < 1e-9f ? 1e9f : 1 / rate;
-}
-
 /// What follows from the samples of one ray, front to back.
 class FrontToBack {
   public:
@@ -352,14 +368,14 @@ std::size_t compositeOne(const CompositeLayout& layout, const CompositeVoxel* HW
                          SpanWriter spans, RayColor& color) {
     const Sampler<kAxis> sampler(layout);
     const std::int32_t* table = layout.table.data();
-    const float inverse[3] = {inverseOf(ray.step), inverseOf(ray.rate[0]), inverseOf(ray.rate[1])};
+    const CellWalk walk(layout, ray);
     FrontToBack light;
     Places places;
     HWY_ALIGN float numbers[kChunk];
     std::size_t n = first;
     transmittances[0] = 1;
     for (int k = 0; k < ray.count && !light.ended();) {
-        const int next = sampler.skip(ray, inverse, k);
+        const int next = walk.next(k);
         if (next != k) {
             k = next;
             continue;
@@ -567,6 +583,16 @@ CompositeRay compositeRay(const CompositeLayout& layout, const Ray& ray, int per
     }
     line.length = float(ray.direction.length() / std::abs(major) / perSlice);
     return line;
+}
+
+bool meetsBricks(const CompositeLayout& layout, const CompositeRay& ray) {
+    const CellWalk walk(layout, ray);
+    for (int k = 0; k < ray.count;) {
+        const int next = walk.next(k);
+        if (next == k) return true;
+        k = next;
+    }
+    return false;
 }
 
 void composite(const CompositeLayout& layout, const CompositeVoxel* voxels, const CompositeRay* rays, std::size_t count,

@@ -34,6 +34,9 @@ struct CompositeRay {
 /// @param perSlice samples from slice to slice, > 0
 CompositeRay compositeRay(const CompositeLayout& layout, const Ray& ray, int perSlice);
 
+/// Whether one of its samples may see a voxel that is kept.
+bool meetsBricks(const CompositeLayout& layout, const CompositeRay& ray);
+
 /// What comes along a ray; also a derivative with respect to it.
 struct alignas(16) RayColor {
     float transmittance = 1;             ///< what is seen of the backdrop
