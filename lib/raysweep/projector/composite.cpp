@@ -512,6 +512,40 @@ void spread(const CompositeLayout& layout, const std::vector<CompositeRay>& rays
         });
 }
 
+/// Sets the derivatives of the samples of a piece's rays.
+using PieceRule =
+    std::function<void(std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to)>;
+
+/// All rays forth, and what `rule` makes of their samples back.
+void traceAndSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
+                    const PieceRule& rule, CompositeTape& tape, CompositeVoxel* sums) {
+    for (std::size_t r = 1; r < rays.size(); ++r)
+        if (rays[r].axis < rays[r - 1].axis)
+            throw InvalidArgument("rays must be in the order of their major axes; sort them");
+    const std::size_t pieces = (rays.size() + kRaysTogether - 1) / kRaysTogether;
+    const int layers = std::max({layout.tableDims.x, layout.tableDims.y, layout.tableDims.z});
+    tape.pieces.resize(pieces);
+    tape.spans.assign(std::size_t(layers) * rays.size(), {});
+    tape.colors.resize(rays.size());
+    parallelFor(pieces, [&](std::size_t piece) {
+        thread_local SampleRoom room;
+        const std::size_t first = piece * kRaysTogether, count = std::min(kRaysTogether, rays.size() - first);
+        const SpanTable spans{tape.spans.data() + first, rays.size()};
+        HWY_DYNAMIC_DISPATCH(compositeDispatched)
+        (layout, voxels, rays.data() + first, count, room, spans, tape.colors.data() + first);
+        fit(tape.pieces[piece], room, count);
+        rule(first, count, room, tape.pieces[piece]);
+    });
+    tape.samples = 0;
+    for (const CompositeTape::Piece& piece : tape.pieces) tape.samples += piece.used;
+    for (std::size_t first = 0; first < rays.size();) {
+        std::size_t last = first;
+        while (last < rays.size() && rays[last].axis == rays[first].axis) ++last;
+        spread(layout, rays, first, last, tape, sums);
+        first = last;
+    }
+}
+
 }  // namespace
 
 CompositeRay compositeRay(const CompositeLayout& layout, const Ray& ray, int perSlice) {
@@ -574,34 +608,26 @@ void composite(const CompositeLayout& layout, const CompositeVoxel* voxels, cons
 void compositeGradient(const CompositeLayout& layout, const CompositeVoxel* voxels,
                        const std::vector<CompositeRay>& rays, const RayLoss& loss, CompositeTape& tape,
                        CompositeVoxel* gradient) {
-    for (std::size_t r = 1; r < rays.size(); ++r)
-        if (rays[r].axis < rays[r - 1].axis)
-            throw InvalidArgument("rays must be in the order of their major axes; sort them");
-    const std::size_t pieces = (rays.size() + kRaysTogether - 1) / kRaysTogether;
-    const int layers = std::max({layout.tableDims.x, layout.tableDims.y, layout.tableDims.z});
-    tape.pieces.resize(pieces);
-    tape.spans.assign(std::size_t(layers) * rays.size(), {});
-    tape.colors.resize(rays.size());
-    parallelFor(pieces, [&](std::size_t piece) {
-        thread_local SampleRoom room;
+    const auto rule = [&](std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to) {
         RayColor derivatives[kRaysTogether];
-        const std::size_t first = piece * kRaysTogether, count = std::min(kRaysTogether, rays.size() - first);
-        const SpanTable spans{tape.spans.data() + first, rays.size()};
-        HWY_DYNAMIC_DISPATCH(compositeDispatched)
-        (layout, voxels, rays.data() + first, count, room, spans, tape.colors.data() + first);
         loss(first, count, tape.colors.data() + first, derivatives);
-        fit(tape.pieces[piece], room, count);
-        HWY_DYNAMIC_DISPATCH(differentiateDispatched)
-        (rays.data() + first, count, room, derivatives, tape.pieces[piece]);
-    });
-    tape.samples = 0;
-    for (const CompositeTape::Piece& piece : tape.pieces) tape.samples += piece.used;
-    for (std::size_t first = 0; first < rays.size();) {
-        std::size_t last = first;
-        while (last < rays.size() && rays[last].axis == rays[first].axis) ++last;
-        spread(layout, rays, first, last, tape, gradient);
-        first = last;
-    }
+        HWY_DYNAMIC_DISPATCH(differentiateDispatched)(rays.data() + first, count, room, derivatives, to);
+    };
+    traceAndSpread(layout, voxels, rays, rule, tape, gradient);
+}
+
+void compositeSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
+                     const SampleRule& rule, CompositeTape& tape, CompositeVoxel* sums) {
+    const auto each = [&](std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to) {
+        for (std::size_t r = 0; r < count; ++r) {
+            const std::size_t begin = room.firsts[r];
+            rule(first + r,
+                 {rays[first + r], tape.colors[first + r], room.samples.data() + begin,
+                  room.transmittances.data() + begin + r, room.numbers.data() + begin, room.firsts[r + 1] - begin},
+                 to.derivatives.data() + begin);
+        }
+    };
+    traceAndSpread(layout, voxels, rays, each, tape, sums);
 }
 
 }  // namespace raysweep

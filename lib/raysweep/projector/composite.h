@@ -82,4 +82,22 @@ void compositeGradient(const CompositeLayout& layout, const CompositeVoxel* voxe
                        const std::vector<CompositeRay>& rays, const RayLoss& loss, CompositeTape& tape,
                        CompositeVoxel* gradient);
 
+/// The samples of a ray that were not skipped, front to back.
+struct RaySamples {
+    const CompositeRay& ray;
+    const RayColor& color;
+    const CompositeVoxel* samples;
+    const float* transmittances;   ///< before each sample, and behind the last: `count` + 1
+    const std::uint16_t* numbers;  ///< of each sample on the ray
+    std::size_t count;
+};
+
+/// Sets `values` of the samples of ray `ray`. Called from several threads.
+using SampleRule = std::function<void(std::size_t ray, const RaySamples& samples, CompositeVoxel* values)>;
+
+/// Adds to `sums` what a rule gives samples, spread over the voxels by the weights with which they were interpolated:
+/// the backprojection that belongs to `composite`. As compositeGradient, whose rule is eq. 2, in all else.
+void compositeSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
+                     const SampleRule& rule, CompositeTape& tape, CompositeVoxel* sums);
+
 }  // namespace raysweep
