@@ -103,18 +103,12 @@ class ComparisonFiles {
     std::set<std::string> taken_;
 };
 
-/// The lamp goes along with the camera: its direction in the camera's own axes, of which the first view's are known.
-Shading besideCamera(Shading shading, const PhotoCamera& first) {
-    const Vec3 light = shading.light.normalized();
-    shading.light = Vec3(light.dot(first.right), light.dot(first.down), light.dot(first.forward));
-    return shading;
-}
-
 Judgement judgeAll(const PhotoArguments& a, const PhotographSets& sets, const ColorVolume& volume,
                    const Shading& shading) {
     PhotoQualityOptions options;
     options.backdrop = float(a.backdrop);
-    options.shading = besideCamera(shading, sets.used.views.front().camera);
+    options.shading = shading;
+    if (!a.lampStands) options.lampBeside = sets.used.views.front().camera;
     ComparisonFiles files(a.compareViews);
     TerminalProgress progress(a.common);
     const auto judgeSet = [&](const PhotographSet& set, const char* name) {

@@ -74,11 +74,11 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
     app.add_option("--diffuse", a.diffuse, "Part of colours that is seen by Lambert's law (default: 0)");
-    app.add_option(
-           "--light", a.light,
-           "Direction in which light travels in the first view; the lamp is fixed to the camera (default: along "
-           "the view); auto: found")
+    app.add_option("--light", a.light,
+                   "Direction in which light travels in the first view (default: along the view); auto: found")
         ->type_name("X,Y,Z|auto");
+    app.add_flag("--fixed-light", a.lampStands,
+                 "The lamp stands still; else it goes along with the camera, as if the object turned on a table");
     app.add_option("--bounds", a.bounds, "Box of the volume, world units (default: what the photographs show)")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1");
     app.add_option("--size", a.size, "Voxels along the longest edge of the box")->capture_default_str();

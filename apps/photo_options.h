@@ -23,7 +23,7 @@ struct PhotoArguments {
     std::optional<double> relaxation, ambient, diffuse;
     std::optional<Box3> box;
     std::optional<Vec3> lightInWorld;  ///< in the first view
-    bool findLight = false, half = false;
+    bool findLight = false, lampStands = false, half = false;
     double backdrop = 1;
 };
 

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 namespace raysweep {
 namespace {
@@ -32,37 +31,45 @@ void requireSize(const Photograph& photograph) {
                               std::to_string(photograph.camera.height) + " and 4 are needed");
 }
 
+/// `light` as it is for `camera` if it is so for `first` and the lamp goes along.
+Vec3 carriedAlong(const Vec3& light, const PhotoCamera& first, const PhotoCamera& camera) {
+    return camera.right * light.dot(first.right) + camera.down * light.dot(first.down) +
+           camera.forward * light.dot(first.forward);
+}
+
 /// The volume as one camera after another sees it. Where light comes from a lamp beside the camera, its colours differ
 /// from view to view.
-class Scene {
+class LitColors {
   public:
-    Scene(const ColorVolume& volume, const Shading& shading)
-        : shading_(shading), input_{volume.density, 1, volume.color}, color_(volume.color) {
-        RenderVolume ready(input_);
-        if (shading.diffuse > 0 || shading.ambient < 1) normals_ = surfaceNormals(*volume.density, 1, *volume.color);
-        if (normals_ && !(shading.diffuse > 0)) {
-            input_.radiosity = shaded(*color_, *normals_, shading);
-            ready = RenderVolume(input_);
-        }
-        ready_ = ready;
+    LitColors(const ColorVolume& volume, const PhotoQualityOptions& options)
+        : options_(options), input_{volume.density, 1, volume.color}, color_(volume.color), ready_(input_) {
+        const Shading& shading = options.shading;
+        if (!(shading.diffuse > 0) && shading.ambient == 1) return;
+        normals_ = surfaceNormals(*volume.density, 1, *volume.color);
+        if (!goesAlong()) show(shading);
     }
 
-    const RenderVolume& asLitFor(const PhotoCamera& camera) {
-        if (!(shading_.diffuse > 0)) return *ready_;
-        Shading shading = shading_;
-        const Vec3& light = shading_.light;
-        shading.light = camera.right * light.x + camera.down * light.y + camera.forward * light.z;
-        input_.radiosity = shaded(*color_, *normals_, shading);
-        ready_ = RenderVolume(input_);
-        return *ready_;
+    const RenderVolume& asSeenBy(const PhotoCamera& camera) {
+        if (!goesAlong()) return ready_;
+        Shading shading = options_.shading;
+        shading.light = carriedAlong(shading.light, *options_.lampBeside, camera);
+        show(shading);
+        return ready_;
     }
 
   private:
-    Shading shading_;
+    bool goesAlong() const { return options_.lampBeside && options_.shading.diffuse > 0; }
+
+    void show(const Shading& shading) {
+        input_.radiosity = shaded(*color_, *normals_, shading);
+        ready_ = RenderVolume(input_);
+    }
+
+    const PhotoQualityOptions& options_;
     RenderInput input_;
     openvdb::Vec3SGrid::ConstPtr color_;
     openvdb::Vec3SGrid::Ptr normals_;
-    std::optional<RenderVolume> ready_;
+    RenderVolume ready_;
 };
 
 /// @param shown, truth of the same two pictures, as displayed
@@ -104,6 +111,7 @@ void takeMeans(PhotoQuality& quality) {
 void PhotoQualityOptions::validate() const {
     requireField(backdrop >= 0 && backdrop <= 1, "backdrop", backdrop, "in [0,1]");
     shading.validate();
+    if (lampBeside) lampBeside->validate();
     picture.validate();
 }
 
@@ -112,7 +120,7 @@ PhotoQuality judge(const ColorVolume& volume, const std::vector<Photograph>& pho
     const Timer timer;
     options.validate();
     for (const Photograph& photograph : photographs) requireSize(photograph);
-    Scene scene(volume, options.shading);
+    LitColors colors(volume, options);
     RenderOptions picture = options.picture;
     picture.background = grey(0);
     PhotoQuality quality;
@@ -122,7 +130,7 @@ PhotoQuality judge(const ColorVolume& volume, const std::vector<Photograph>& pho
     };
     for (std::size_t n = 0; n < photographs.size() && quality.complete; ++n) {
         const PhotoCamera& camera = photographs[n].camera;
-        const RenderResult result = render(scene.asLitFor(camera), camera, picture, viewProgress);
+        const RenderResult result = render(colors.asSeenBy(camera), camera, picture, viewProgress);
         quality.complete = result.complete;
         if (!result.complete) break;
         quality.views.push_back(compare(photographs[n], result.image, options.backdrop));

@@ -9,16 +9,18 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace raysweep {
 
 struct PhotoQualityOptions {
-    float backdrop = 1;     ///< on which both are compared, display-encoded grey, in [0,1]; 1 is white
-    Shading shading;        ///< of the photographs; `light` along each camera's right, down and forward: the lamp is
-                            ///< fixed to the camera
-    RenderOptions picture;  ///< sampling; its `background` is not looked at
+    float backdrop = 1;                     ///< on which both are compared, display-encoded grey, in [0,1]; 1 is white
+    Shading shading;                        ///< of the photographs, in world space
+    std::optional<PhotoCamera> lampBeside;  ///< the lamp goes along with the camera, and `shading` is as for this one;
+                                            ///< none: it stands still
+    RenderOptions picture;                  ///< sampling; its `background` is not looked at
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;

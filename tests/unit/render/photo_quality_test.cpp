@@ -144,10 +144,13 @@ TEST(PhotoQuality, LightGoesAlongWithTheCamera) {
     const auto photographs = photographsOf(volume, rig);
     PhotoQualityOptions options;
     options.shading = rig.shading;
-    options.shading.light = Vec3(0.4, 0.5, 1);
+    options.lampBeside = first;
     const PhotoQuality quality = judge(volume, photographs, options);
     for (const ViewQuality& view : quality.views) EXPECT_LT(view.residual, 1e-5);  // the light's last bits
-    EXPECT_GT(judge(volume, photographs).views[2].residual, 0.05);
+    options.lampBeside.reset();
+    const PhotoQuality still = judge(volume, photographs, options);
+    EXPECT_LT(still.views[0].residual, 1e-5);
+    EXPECT_GT(still.views[2].residual, 0.05);
 }
 
 TEST(PhotoQuality, StopsWhenAsked) {
