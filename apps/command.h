@@ -32,5 +32,7 @@ void addImport(CLI::App& app, int& exitCode);
 void addExport(CLI::App& app, int& exitCode);
 void addProject(CLI::App& app, int& exitCode);
 void addCt(CLI::App& app, int& exitCode);
+void addShoot(CLI::App& app, int& exitCode);
+void addPhoto(CLI::App& app, int& exitCode);
 
 }  // namespace raysweep::apps

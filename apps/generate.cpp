@@ -8,12 +8,14 @@
 #include "raysweep/phantoms/engine_room.h"
 #include "raysweep/phantoms/exact_projections.h"
 #include "raysweep/phantoms/phantom.h"
+#include "raysweep/phantoms/triangles.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/vdb_io.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -26,12 +28,13 @@ struct GenerateOptions {
     CommonOptions common;
     PhantomOptions phantom;
     EngineRoomOptions room;
+    TrianglesOptions triangles;
     ScanArguments scan;
     std::string kind, output, dims, volume, volumeGrid, slices, projections;
     bool half = false;
 };
 
-const std::string kRoom = "engine-room";
+const std::string kRoom = "engine-room", kTriangles = "triangles";
 
 using Maker = openvdb::FloatGrid::Ptr (*)(const PhantomOptions&);
 const std::map<std::string, Maker> kMakers = {{"box", makeBox},
@@ -55,6 +58,9 @@ std::string commandOf(const GenerateOptions& options) {
         else
             text << " --dims " << options.dims;
         text << " --seed " << options.common.seed;
+        if (options.kind == kTriangles)
+            text << " --count " << options.triangles.count << " --thickness " << options.triangles.thickness
+                 << (options.triangles.binary ? " --binary" : "");
         return text.str();
     }
     if (options.room.size > 0) text << " --size " << options.room.size;
@@ -104,6 +110,22 @@ void runRoom(GenerateOptions options) {
                                  {"light_power", room.lightPower}});
 }
 
+/// RMS over all voxels of the cube: what a reconstruction that finds nothing is wrong by.
+double rmsOverCube(const TrianglesOptions& options, double sumOfSquares) {
+    return std::sqrt(sumOfSquares / std::pow(double(options.size), 3));
+}
+
+void runTriangles(const GenerateOptions& options) {
+    const Timer timer;
+    const ColorVolume volume = makeTriangles(options.triangles);
+    writeGrids(options, gridsOf(volume));
+    const ColorPower power = powerOf(volume);
+    writeReport(options.common, {{"voxels_active", volume.density->activeVoxelCount()},
+                                 {"seconds", timer.seconds()},
+                                 {"rms_opacity", rmsOverCube(options.triangles, power.opacity)},
+                                 {"rms_color", rmsOverCube(options.triangles, power.color)}});
+}
+
 /// Phantoms whose line integrals are known exactly.
 bool hasShapes(const std::string& kind) {
     return kind == "shepp-logan" || kind == "box-with-holes";
@@ -132,7 +154,8 @@ void requireFitting(const CLI::App& command, const std::string& kind) {
     if (kind != "box" && kind != "box-with-holes") refuse({"--dims"}, "box and box-with-holes");
     if (kind != kRoom)
         refuse({"--volume", "--volume-grid", "--crop-slices", "--wall", "--open-front", "--coloured"}, kRoom);
-    if (kind == kRoom) refuse({"--density", "--soft"}, "clouds, spheres, boxes and phantoms");
+    if (kind == kRoom || kind == kTriangles) refuse({"--density", "--soft"}, "clouds, spheres, boxes and phantoms");
+    if (kind != kTriangles) refuse({"--count", "--thickness", "--binary"}, kTriangles);
     if (kind != "sphere") refuse({"--soft"}, "the sphere");
     if (!hasShapes(kind)) refuse({"--projections"}, "shepp-logan and box-with-holes");
     if (command.count("--projections") == 0)
@@ -164,6 +187,10 @@ void completeOptions(GenerateOptions& options, const CLI::App& command) {
         options.room.slices = {slices[0], slices[1]};
     }
     if (options.kind == kRoom) requireValid(command, [&] { options.room.validate(); });
+    options.triangles.size = options.phantom.size;
+    options.triangles.voxelSize = options.phantom.voxelSize;
+    options.triangles.seed = options.common.seed;
+    if (options.kind == kTriangles) requireValid(command, [&] { options.triangles.validate(); });
 }
 
 void runGenerate(const GenerateOptions& options) {
@@ -172,6 +199,8 @@ void runGenerate(const GenerateOptions& options) {
     const ThreadLimit limit = start(options.common);
     if (options.kind == kRoom)
         runRoom(options);
+    else if (options.kind == kTriangles)
+        runTriangles(options);
     else
         runPhantom(options);
 }
@@ -192,18 +221,29 @@ void addRoomOptions(CLI::App& app, GenerateOptions& options) {
     app.option_defaults()->group("Options");
 }
 
+void addTriangleOptions(CLI::App& app, GenerateOptions& options) {
+    app.option_defaults()->group("Triangles");
+    app.add_option("--count", options.triangles.count, "Number of triangles")->capture_default_str();
+    app.add_option("--thickness", options.triangles.thickness, "Of a triangle's sheet, voxels")->capture_default_str();
+    app.add_flag("--binary", options.triangles.binary,
+                 "A voxel is full or empty, by its centre (default: filled in part where a triangle fills part of it)");
+    app.option_defaults()->group("Options");
+}
+
 }  // namespace
 
 void addGenerate(CLI::App& app, int&) {
     CLI::App* command = app.add_subcommand(
-        "generate", "Make a volume: cloud, sphere, box, phantoms for tomography, or the engine room");
+        "generate",
+        "Make a volume: cloud, sphere, box, phantoms for tomography, coloured triangles, or the engine room");
     const auto options = std::make_shared<GenerateOptions>();
     PhantomOptions& phantom = options->phantom;
     command->add_option("kind", options->kind, "What to make")
         ->required()
-        ->check(
-            CLI::IsMember({"box", "box-with-holes", "cloud", kRoom.c_str(), "shepp-logan", "sphere"}).description(""))
-        ->type_name("cloud|sphere|box|shepp-logan|box-with-holes|engine-room");
+        ->check(CLI::IsMember(
+                    {"box", "box-with-holes", "cloud", kRoom.c_str(), "shepp-logan", "sphere", kTriangles.c_str()})
+                    .description(""))
+        ->type_name("cloud|sphere|box|shepp-logan|box-with-holes|triangles|engine-room");
     command->add_option("-o,--output", options->output, "The .vdb file to write")->required()->type_name("OUT.vdb");
     command
         ->add_option(
@@ -228,6 +268,7 @@ void addGenerate(CLI::App& app, int&) {
                      "shepp-logan, box-with-holes: also write exact line integrals, .mha or .exr pictures with numbers")
         ->type_name("PROJ.mha|.exr");
     addScanOptions(*command, options->scan);
+    addTriangleOptions(*command, *options);
     addRoomOptions(*command, *options);
     addCommonOptions(*command, options->common);
     command->callback([options, command] {

@@ -15,25 +15,34 @@ struct Hint {
 
 /// By remedy and command; FILE is what the error is about.
 constexpr Hint kHints[] = {
+    {Remedy::chooseMatting, "photo",
+     ": give --matting black or white (a plain dark or bright backdrop; look at --threshold, too), known:R,G,B or "
+     "masks:DIR"},
     {Remedy::chooseSeries, "import", " with --series UID"},
     {Remedy::describeSamples, "import", "; if it holds nothing but samples, give --dims X,Y,Z and --type"},
     {Remedy::fillLevelSet, "light", "use --from-level-set to fill its inside with density 1, or "},
     {Remedy::giveExtinction, "render", "; give --extinction"},
+    {Remedy::giveExtinction, "shoot", "; give --extinction"},
     {Remedy::giveGrid, "ct", "; give --size and --spacing"},
     {Remedy::giveSpacing, "import", "; if only the spacing is wrong, give --spacing X,Y,Z"},
     {Remedy::isNoLevelSet, "light", "; leave out --from-level-set"},
     {Remedy::isVolumeAlready, "import", "; 'raysweep light' takes it as it is"},
     {Remedy::keepVoxels, "render", "; light it without --upsample"},
+    {Remedy::keepVoxels, "shoot", "; light it without --upsample"},
     {Remedy::leaveOutRays, "ct", "; use --repair to leave such rays out as not measured"},
     {Remedy::lightFirst, "render", ": run 'raysweep light FILE -o LIT.vdb' first and render LIT.vdb"},
+    {Remedy::lightFirst, "shoot", ": run 'raysweep light FILE -o LIT.vdb' first and photograph LIT.vdb"},
     {Remedy::mapValues, "generate", "; import it with --normalize, or --scale and --offset"},
     {Remedy::repairVoxels, "import", kRepair},
     {Remedy::repairVoxels, "light", kRepair},
     {Remedy::spaceSlicesByNumber, "import", "; give --spacing X,Y,Z to take the images in the order of their numbers"},
     {Remedy::spaceSlicesEvenly, "import", " --spacing X,Y,Z takes them as equally spaced"},
+    {Remedy::useOpenCvAxes, "photo", ": give --axes opencv"},
+    {Remedy::useOpenGlAxes, "photo", ": give --axes opengl"},
     {Remedy::useOriginal, "export", kExported},
     {Remedy::useOriginal, "light", kExported},
     {Remedy::useOriginal, "render", kExported},
+    {Remedy::useOriginal, "shoot", kExported},
 };
 
 std::string filledIn(std::string text, const std::string& file) {

@@ -14,8 +14,8 @@ namespace {
 
 using namespace raysweep::apps;
 
-constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addImport,  addGenerate, addInfo,
-                                                     addCompare, addExport, addProject, addCt};
+constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,  addRender,  addImport, addGenerate, addInfo, addCompare,
+                                                     addExport, addProject, addCt,     addShoot,    addPhoto};
 
 int fail(const std::string& what) {
     std::fprintf(stderr, "raysweep: %s\n", what.c_str());

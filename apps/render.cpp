@@ -31,7 +31,8 @@ struct Arguments {
 };
 
 void addOptions(CLI::App& app, Arguments& a) {
-    app.add_option("input", a.source.input, "Lit volume, a .vdb written by raysweep light")
+    app.add_option("input", a.source.input,
+                   "Lit volume, a .vdb written by raysweep light, or one with colours (density and Cd)")
         ->required()
         ->type_name("LIT.vdb");
     app.add_option("-o,--output", a.outputs, "Picture to write, .exr (linear) or .png (sRGB); repeatable")

@@ -65,9 +65,8 @@ def joined(argv):
     return result
 
 
-def parse_arguments(argv):
-    parser = argparse.ArgumentParser(prog="blender -b -P import_lit.py --", description=__doc__.split("\n")[0])
-    parser.add_argument("lit", metavar="LIT.vdb", help="volume written by raysweep light")
+def add_picture_options(parser):
+    """What is chosen of a picture, whatever it shows: as for `raysweep render`."""
     parser.add_argument("output", metavar="OUT.png|OUT.exr", nargs="?", help="picture; without it nothing is rendered")
     parser.add_argument("--size", type=size, default=(512, 512), metavar="W,H", help="pixels (512,512)")
     parser.add_argument("--eye", type=numbers(3), metavar="X,Y,Z", help="where the camera stands (so that all is seen)")
@@ -80,12 +79,15 @@ def parse_arguments(argv):
     parser.add_argument("--exposure", type=float, default=0, metavar="EV", help="brightness of a .png, stops (0)")
     parser.add_argument("--samples", type=int, default=64, metavar="N", help="rays per pixel (64)")
     parser.add_argument("--step", type=float, default=0.5, metavar="F", help="distance between samples, voxels (0.5)")
-    parser.add_argument("--density", metavar="NAME", help="density grid (the one that was lit)")
-    parser.add_argument("--extinction", type=float, metavar="X", help="extinction per unit density (as it was lit)")
-    parser.add_argument("--raysweep", metavar="PATH", help="the command raysweep, asked what LIT.vdb holds (found in "
+    parser.add_argument("--raysweep", metavar="PATH", help="the command raysweep, asked what the file holds (found in "
                         "PATH or in ../../build/bin); not needed if --density, --extinction, --eye and --target are given")
     parser.add_argument("--keep-half-voxel", action="store_true",
                         help="do not make up for the half voxel by which Cycles misplaces volumes")
+    parser.add_argument("--density", metavar="NAME", help="density grid (the one that was lit)")
+    parser.add_argument("--extinction", type=float, metavar="X", help="extinction per unit density (as it was lit)")
+
+
+def parse_checked(parser, argv):
     args = parser.parse_args(joined(argv))
     if args.output and Path(args.output).suffix.lower() not in (".png", ".exr"):
         parser.error(f"'{args.output}' must end in .png or .exr")
@@ -96,6 +98,13 @@ def parse_arguments(argv):
     if args.samples < 1 or not args.step > 0:
         parser.error("--samples must be at least 1 and --step above 0")
     return args
+
+
+def parse_arguments(argv):
+    parser = argparse.ArgumentParser(prog="blender -b -P import_lit.py --", description=__doc__.split("\n")[0])
+    parser.add_argument("lit", metavar="LIT.vdb", help="volume written by raysweep light")
+    add_picture_options(parser)
+    return parse_checked(parser, argv)
 
 
 # ---------------------------------------------------------------------------------------------- what the file holds
@@ -140,7 +149,9 @@ def plain_name(name):
 
 
 class Medium:
-    """Which grid gives the extinction, and by what factor."""
+    """Which grid gives the extinction, by what factor, and which one what shines."""
+
+    source, source_hint = "radiosity", "light it with 'raysweep light'"
 
     def __init__(self, args, info):
         radiosity = info and grid_named(info, "radiosity")
@@ -173,7 +184,7 @@ def load_volume(args, medium, scene):
     volume.render.precision = "FULL"
     volume.render.clipping = 0  # else Cycles cuts off what is thin
     grids = read_grids(volume, args.lit)
-    for name, hint in (("radiosity", "light it with 'raysweep light'"), (medium.grid, "choose one with --density")):
+    for name, hint in ((medium.source, medium.source_hint), (medium.grid, "choose one with --density")):
         if name not in grids:
             raise Problem(f"'{args.lit}' has no grid '{name}': {hint}; it holds {', '.join(sorted(grids.keys()))}")
     volume_object = bpy.data.objects.new(volume.name, volume)
@@ -196,7 +207,7 @@ def move_to_place(args, info, volume_object, medium):
         return
     grids = volume_object.data.grids
     half = half_voxel(grids[medium.grid])
-    if (half_voxel(grids["radiosity"]) - half).length < 1e-3 * half.length:
+    if (half_voxel(grids[medium.source]) - half).length < 1e-3 * half.length:
         volume_object.location = -half
         return
     # By hand the copy is needed for as long as the scene; else Blender removes it when it ends.
@@ -216,7 +227,7 @@ def make_material(medium):
     nodes, link = material.node_tree.nodes, material.node_tree.links.new
     nodes.clear()
     density, radiosity = nodes.new("ShaderNodeAttribute"), nodes.new("ShaderNodeAttribute")
-    density.attribute_name, radiosity.attribute_name = medium.grid, "radiosity"
+    density.attribute_name, radiosity.attribute_name = medium.grid, medium.source
     extinction = nodes.new("ShaderNodeMath")
     extinction.operation, extinction.inputs[1].default_value = "MULTIPLY", medium.factor
     absorption, emission = nodes.new("ShaderNodeVolumeAbsorption"), nodes.new("ShaderNodeEmission")
@@ -358,8 +369,12 @@ def build(args):
     return scene
 
 
-def main():
-    args = parse_arguments(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else [])
+def given_arguments():
+    return sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+
+
+def finish(args, build):
+    """Builds the scene; renders it if that was asked for, else shows it."""
     if args.output and not Path(args.output).resolve().parent.is_dir():
         raise Problem(f"cannot write '{args.output}': its folder does not exist")
     scene = build(args)
@@ -369,8 +384,13 @@ def main():
         bpy.context.window.scene = scene
 
 
-try:
-    main()
-except Problem as problem:
-    print(f"import_lit: {problem}", file=sys.stderr)
-    sys.exit(1)
+def run(name, main):
+    try:
+        main()
+    except Problem as problem:
+        print(f"{name}: {problem}", file=sys.stderr)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    run("import_lit", lambda: finish(parse_arguments(given_arguments()), build))

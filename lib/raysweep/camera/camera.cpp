@@ -1,6 +1,7 @@
 #include "raysweep/camera/camera.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
 
 #include <algorithm>
@@ -9,10 +10,6 @@
 
 namespace raysweep {
 namespace {
-
-bool isFinite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 template <class Value>
 std::string text(const Value& value) {

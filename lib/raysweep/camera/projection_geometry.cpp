@@ -1,15 +1,12 @@
 #include "raysweep/camera/projection_geometry.h"
 
+#include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
 
 #include <cmath>
 
 namespace raysweep {
 namespace {
-
-bool isFinite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 /// Sine of the angle below which rays count as running within the detector's plane.
 constexpr double kGrazing = 1e-6;

@@ -13,6 +13,7 @@ namespace raysweep {
 /// the message; the library's messages name none.
 enum class Remedy {
     none,
+    chooseMatting,        ///< say how photographs tell the object from its backdrop
     chooseSeries,         ///< say which DICOM series is meant
     describeSamples,      ///< say how many samples of which type a file without a header holds
     fillLevelSet,         ///< take the inside of a level set
@@ -28,6 +29,8 @@ enum class Remedy {
     repairVoxels,         ///< set such voxels to 0
     spaceSlicesEvenly,    ///< give the spacing, and take slices as equally spaced
     spaceSlicesByNumber,  ///< give the spacing, and take slices in the order of their numbers
+    useOpenCvAxes,        ///< take poses as those of cameras with y down and z ahead
+    useOpenGlAxes,        ///< take poses as those of cameras with y up and z back
     useOriginal           ///< use the file that this one was made from
 };
 

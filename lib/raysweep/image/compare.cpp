@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -103,6 +104,14 @@ ImageDifference compareImages(const Image& image, const Image& reference, double
     }
     if (std::isnan(result.maxDifference)) result.ssim = result.maxDifference;
     return result;
+}
+
+double psnr(const Image& image, const Image& reference, double peak) {
+    return compareImages(image, reference, peak).psnr;
+}
+
+double ssim(const Image& image, const Image& reference, double peak) {
+    return compareImages(image, reference, peak).ssim;
 }
 
 }  // namespace raysweep

@@ -22,4 +22,10 @@ struct ImageDifference {
 /// @throw InvalidArgument if the pictures are empty or differ in width, height or channels, or peak is not positive.
 ImageDifference compareImages(const Image& image, const Image& reference, double peak = 1);
 
+/// The figures by which pictures that are to look alike are judged: of RGB pictures in display-encoded values (see
+/// shownBefore), as is usual. `ssim` is the mean over channels. NaN and errors as compareImages; so is what one of them
+/// costs, ask that for both.
+double psnr(const Image& image, const Image& reference, double peak = 1);
+double ssim(const Image& image, const Image& reference, double peak = 1);
+
 }  // namespace raysweep

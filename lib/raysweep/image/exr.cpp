@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <mutex>
 #include <tuple>
 #include <vector>
 
@@ -25,8 +26,10 @@ namespace {
 
 constexpr int kLargest = 1 << 20;  ///< pixels along an edge; more is a damaged header
 
-/// OpenEXR has threads of its own.
+/// OpenEXR has threads of its own. Several of ours may come here at a time.
 void allowThreads() {
+    static std::mutex one;
+    const std::lock_guard<std::mutex> lock(one);
     if (Imf::globalThreadCount() < threadCount()) Imf::setGlobalThreadCount(threadCount());
 }
 

@@ -5,6 +5,7 @@
 #include "raysweep/core/module.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/exr.h"
+#include "raysweep/image/jpeg_check.h"
 #include "raysweep/image/picture_formats.h"
 
 #include <algorithm>
@@ -43,14 +44,21 @@ bool isVolume(const std::string& path) {
     return std::string(magic, sizeof magic) == " BDV";
 }
 
-/// sRGB with alpha apart, in memory linear and premultiplied.
-void decode(Image& image) {
+/// sRGB, in memory linear and premultiplied. What is encoded is always the colour without alpha.
+void decode(Image& image, bool straightAlpha) {
     const int colours = hasAlpha(image) ? image.channels - 1 : image.channels;
     for (std::size_t p = 0; p < image.pixels.size(); p += image.channels) {
         float* pixel = image.pixels.data() + p;
         const float alpha = hasAlpha(image) ? pixel[colours] : 1.0f;
-        for (int c = 0; c < colours; ++c) pixel[c] = linearFromSrgb(pixel[c]) * alpha;
+        const float divisor = straightAlpha || alpha == 0 ? 1.0f : alpha;
+        for (int c = 0; c < colours; ++c) pixel[c] = linearFromSrgb(pixel[c] / divisor) * alpha;
     }
+}
+
+void multiplyByAlpha(Image& image) {
+    const int colours = image.channels - 1;
+    for (std::size_t p = 0; p < image.pixels.size(); p += image.channels)
+        for (int c = 0; c < colours; ++c) image.pixels[p + c] *= image.pixels[p + colours];
 }
 
 std::vector<std::uint8_t> encode(const Image& image) {
@@ -87,6 +95,36 @@ std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = 
     const PictureFormats* const formats = pictureFormats(problem);
     if (!formats) failToRead(path, problem);
     return formats->open(path, alpha);
+}
+
+/// Readers of JPEGs do not say that a file ends early. This takes reading it once more.
+void requireWhole(const std::string& path) {
+    if (isCutJpeg(path)) failToRead(path, "it ends early: the JPEG's end mark is missing");
+}
+
+/// The first page as it is, in floats. @param page is set to what it is
+Image readStored(const std::string& path, PicturePage& page) {
+    // Else colours are multiplied by alpha before they are decoded.
+    const auto file = openPicture(path, Alpha::asStored);
+    page = file->page(0);
+    if (page.depth > 1) failToRead(path, std::string("it has a depth of its own") + kGivePicture);
+    requireWhole(path);
+    Image image(page.width, page.height, page.channels);
+    file->readFloats(0, image.pixels.data());
+    return image;
+}
+
+/// Alpha that is 1 in every pixel says nothing: programs add it to any picture.
+bool saysSomething(const Image& image, int channel) {
+    for (std::size_t p = 0; p < image.pixels.size(); p += image.channels)
+        if (image.pixels[p + channel] != 1) return true;
+    return false;
+}
+
+bool isGrey(const Image& image) {
+    for (std::size_t p = 0; p < image.pixels.size(); p += image.channels)
+        if (image.pixels[p] != image.pixels[p + 1] || image.pixels[p] != image.pixels[p + 2]) return false;
+    return true;
 }
 
 SampleType requireType(const PicturePage& page, const std::string& path) {
@@ -142,14 +180,45 @@ Image toneMap(const Image& image, double exposure) {
 }
 
 Image readImage(const std::string& path) {
-    // Else colours are multiplied by alpha before they are decoded.
-    const auto file = openPicture(path, Alpha::asStored);
-    const PicturePage page = file->page(0);
-    if (page.depth > 1) failToRead(path, std::string("it has a depth of its own") + kGivePicture);
-    Image image(page.width, page.height, page.channels);
-    file->readFloats(0, image.pixels.data());
-    if (!page.type || !isFloatingPoint(*page.type)) decode(image);
+    PicturePage page;
+    Image image = readStored(path, page);
+    if (!page.type || !isFloatingPoint(*page.type))
+        decode(image, page.straightAlpha);
+    else if (page.straightAlpha)
+        multiplyByAlpha(image);
     return image;
+}
+
+Image readCoverage(const std::string& path) {
+    PicturePage page;
+    const Image stored = readStored(path, page);
+    if (stored.channels > 4)
+        throw InvalidArgument("cannot use '" + path + "' as a mask: it has " + std::to_string(stored.channels) +
+                              " channels; give a grey picture or one with alpha");
+    const int last = stored.channels - 1;
+    const bool byAlpha = hasAlpha(stored) && saysSomething(stored, last);
+    if (!byAlpha && stored.channels > 2 && !isGrey(stored))
+        throw InvalidArgument("cannot use '" + path +
+                              "' as a mask: it has colours, but no alpha; give a grey picture or one with alpha");
+    Image coverage(stored.width, stored.height, 1);
+    for (std::size_t p = 0; p < coverage.pixels.size(); ++p) {
+        const float value = stored.pixels[p * stored.channels + (byAlpha ? last : 0)];
+        if (!(value >= 0 && value <= 1))
+            throw InvalidArgument("cannot use '" + path + "' as a mask: " + std::to_string(value) +
+                                  " is no part of a pixel; values must be in [0,1]");
+        coverage.pixels[p] = value;
+    }
+    return coverage;
+}
+
+PictureSize pictureSize(const std::string& path) {
+    const PicturePage page = openPicture(path)->page(0);
+    return {page.width, page.height};
+}
+
+bool pictureHasAlpha(const std::string& path) {
+    const int channels = openPicture(path)->page(0).channels;
+    return channels == 2 || channels == 4;
 }
 
 PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress) {
@@ -164,6 +233,7 @@ PictureStack readPictureStack(const std::vector<std::string>& files, const Progr
             stack.type = requireType(first, file);
         }
         requireSlice(first, stack, file, 0);
+        requireWhole(file);
         pages.push_back(picture->pages());
         stack.slices += pages.back();
     }

@@ -9,9 +9,26 @@
 namespace raysweep {
 
 /// Reads EXR, HDR, PNG, JPEG, TIFF. Float formats are taken as linear; integer formats as sRGB, and are decoded. Alpha
-/// that the format stores apart from colour (PNG) is multiplied in, so RGBA is premultiplied whatever the format.
-/// @throw IoError if the file is missing, is not a picture, or ends early.
+/// that the format stores apart from colour (PNG) is multiplied in after decoding, so RGBA is premultiplied whatever
+/// the format.
+/// @throw IoError if the file is missing, is not a picture, ends early, or holds inks (CMYK).
 Image readImage(const std::string& path);
+
+/// Reads how much of each pixel something covers, one channel in [0,1]: alpha if the picture has any that is not 1,
+/// else its grey as it is stored. Coverage is no light, so integers are not decoded.
+/// @throw InvalidArgument for a coloured picture without alpha, and for values outside [0,1].
+/// @throw IoError as readImage.
+Image readCoverage(const std::string& path);
+
+struct PictureSize {
+    int width, height;  ///< pixels
+};
+
+/// The size of the picture that `readImage` would read, from the file's beginning alone. @throw IoError likewise.
+PictureSize pictureSize(const std::string& path);
+
+/// Whether that picture has alpha: 2 or 4 channels. What it says is not looked at. @throw IoError as pictureSize.
+bool pictureHasAlpha(const std::string& path);
 
 /// Reads grey pictures as they are stored, in the order of `files`; all pages of a file that has several. Pictures of
 /// half floats become 32 bit floats.

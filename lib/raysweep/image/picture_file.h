@@ -14,6 +14,7 @@ struct PicturePage {
     int width = 0, height = 0, depth = 1, channels = 0;
     std::optional<SampleType> type;  ///< float32 for half floats; none if the type is not known
     std::string typeName;            ///< as the file's reader calls it
+    bool straightAlpha = false;      ///< colours are not multiplied by alpha, the last of 2 or 4 channels
 };
 
 /// Every function throws IoError, which names the file.

@@ -18,7 +18,7 @@ struct EncodedPicture {
 };
 
 /// What the module gives. To be counted up whenever something that passes between library and module changes.
-constexpr int kPictureFormatsVersion = 2;
+constexpr int kPictureFormatsVersion = 3;
 struct PictureFormats {
     int version;
     /// @throw IoError

@@ -59,11 +59,15 @@ class OiioFile : public PictureFile {
     PicturePage page(int number) override {
         if (!input_->seek_subimage(number, 0)) fail();
         const OIIO::ImageSpec& spec = input_->spec();
-        return {spec.width, spec.height, spec.depth, spec.nchannels, sampleTypeOf(spec.format), spec.format.c_str()};
+        const bool isMultiplied = spec.alpha_channel >= 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
+        const bool isStraight = (spec.nchannels == 2 || spec.nchannels == 4) && !isMultiplied;
+        return {spec.width,          spec.height, spec.depth, spec.nchannels, sampleTypeOf(spec.format),
+                spec.format.c_str(), isStraight};
     }
 
     void readFloats(int number, float* to) override {
         const int channels = page(number).channels;
+        requireLight();
         if (!input_->read_image(number, 0, 0, channels, OIIO::TypeDesc::FLOAT, to)) fail();
     }
 
@@ -73,6 +77,14 @@ class OiioFile : public PictureFile {
     }
 
   private:
+    /// What OpenImageIO makes of inks is no more than a rule of thumb: how they look is up to paper and profile.
+    void requireLight() const {
+        const std::string jpeg = input_->spec().get_string_attribute("jpeg:ColorSpace");
+        const std::string tiff = input_->spec().get_string_attribute("tiff:ColorSpace");
+        if (jpeg == "CMYK" || jpeg == "YCbCrK" || tiff == "CMYK" || tiff == "color separated")
+            failToRead(path_, "its colours are inks (CMYK); convert the picture to RGB first");
+    }
+
     [[noreturn]] void fail() const { failToRead(path_, input_->geterror()); }
 
     std::string path_;

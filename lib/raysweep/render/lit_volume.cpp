@@ -5,6 +5,7 @@
 #include "raysweep/volume/active_values.h"
 #include "raysweep/volume/channels.h"
 #include "raysweep/volume/classify.h"
+#include "raysweep/volume/color_volume.h"
 #include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
 
@@ -13,8 +14,10 @@
 namespace raysweep {
 namespace {
 
+/// What shines: what light has made, else the volume's own colours.
 openvdb::GridBase::ConstPtr requireRadiosity(const VdbFile& file) {
     if (const auto radiosity = litRadiosity(file)) return radiosity;
+    if (const auto color = colorGrid(file)) return color;
     InvalidArgument error("'" + file.path + "' has no grid 'radiosity'", Remedy::lightFirst);
     error.subject = file.path;
     throw error;

@@ -37,13 +37,13 @@ struct Pixel {
 };
 
 template <class Marcher>
-void renderPixel(Marcher& marcher, const CameraFrame& frame, const RenderOptions& options, const Pixel& pixel) {
+void renderPixel(Marcher& marcher, const PhotoCamera& camera, const RenderOptions& options, const Pixel& pixel) {
     Color radiance = grey(0);
     double transmittance = 0;
     const int n = options.samples;
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
-            const RayState state = marcher.follow(pixelRay(frame, pixel.x + (i + 0.5) / n, pixel.y + (j + 0.5) / n));
+            const RayState state = marcher.follow(pixelRay(camera, pixel.x + (i + 0.5) / n, pixel.y + (j + 0.5) / n));
             radiance += state.radiance + options.background * float(state.transmittance);
             transmittance += state.transmittance;
         }
@@ -54,7 +54,7 @@ void renderPixel(Marcher& marcher, const CameraFrame& frame, const RenderOptions
 
 /// @return false if stopped by `progress`.
 template <class Marcher>
-bool renderBuckets(const RenderVolume::Content& volume, const CameraFrame& frame, const RenderOptions& options,
+bool renderBuckets(const RenderVolume::Content& volume, const PhotoCamera& camera, const RenderOptions& options,
                    const ProgressCallback& progress, Image& image) {
     const int across = (image.width + kBucketSide - 1) / kBucketSide,
               down = (image.height + kBucketSide - 1) / kBucketSide;
@@ -64,7 +64,7 @@ bool renderBuckets(const RenderVolume::Content& volume, const CameraFrame& frame
         const int x0 = int(bucket % across) * kBucketSide, y0 = int(bucket / across) * kBucketSide;
         for (int y = y0; y < std::min(y0 + kBucketSide, image.height); ++y)
             for (int x = x0; x < std::min(x0 + kBucketSide, image.width); ++x)
-                renderPixel(marcher, frame, options, {x, y, image.at(x, y)});
+                renderPixel(marcher, camera, options, {x, y, image.at(x, y)});
     };
     for (std::size_t begin = 0; begin < count; begin += kBucketsPerGroup) {
         if (!report(progress, "render", double(begin) / double(count))) return false;
@@ -76,17 +76,17 @@ bool renderBuckets(const RenderVolume::Content& volume, const CameraFrame& frame
 }
 
 template <class RadiosityGrid, int kSharedChannels>
-bool renderGrid(const RenderVolume::Content& volume, const CameraFrame& frame, const RenderOptions& options,
+bool renderGrid(const RenderVolume::Content& volume, const PhotoCamera& camera, const RenderOptions& options,
                 const ProgressCallback& progress, Image& image) {
     if (volume.blocks.channels == kSharedChannels)
-        return renderBuckets<RayMarcher<RadiosityGrid, kSharedChannels>>(volume, frame, options, progress, image);
-    return renderBuckets<RayMarcher<RadiosityGrid, 1>>(volume, frame, options, progress, image);
+        return renderBuckets<RayMarcher<RadiosityGrid, kSharedChannels>>(volume, camera, options, progress, image);
+    return renderBuckets<RayMarcher<RadiosityGrid, 1>>(volume, camera, options, progress, image);
 }
 
 /// Checks what holds for radiosity, and makes the blocks.
 template <class RadiosityGrid>
 void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
-    checkVoxels(radiosity, "radiosity");
+    checkVoxels(radiosity, radiosity.getName().empty() ? "radiosity" : radiosity.getName());
     volume.radiosityFromWorld = affineMatrix(radiosity, "radiosity").inverse();
     const Int32Tree::Ptr occupied = occupancy(*volume.density);
     occupied->evalActiveVoxelBoundingBox(volume.bounds);
@@ -128,15 +128,20 @@ RenderVolume::RenderVolume(const RenderInput& input) {
 
 RenderResult render(const RenderVolume& volume, const Camera& camera, const RenderOptions& options,
                     const ProgressCallback& progress) {
+    return render(volume, photoCamera(camera), options, progress);
+}
+
+RenderResult render(const RenderVolume& volume, const PhotoCamera& camera, const RenderOptions& options,
+                    const ProgressCallback& progress) {
     const Timer timer;
     options.validate();
-    const CameraFrame frame = cameraFrame(camera);
+    camera.validate();
     const RenderVolume::Content& content = volume.content();
     RenderResult result;
     result.image = Image(camera.width, camera.height, 4);
     result.complete = content.radiosity->isType<FloatGrid>()
-                          ? renderGrid<FloatGrid, 2>(content, frame, options, progress, result.image)
-                          : renderGrid<Vec3SGrid, 4>(content, frame, options, progress, result.image);
+                          ? renderGrid<FloatGrid, 2>(content, camera, options, progress, result.image)
+                          : renderGrid<Vec3SGrid, 4>(content, camera, options, progress, result.image);
     result.seconds = timer.seconds();
     return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raysweep/camera/camera.h"
+#include "raysweep/camera/photo_camera.h"
 #include "raysweep/core/progress.h"
 #include "raysweep/core/types.h"
 #include "raysweep/image/image.h"
@@ -78,6 +79,10 @@ struct RenderResult {
 /// as it is.
 /// @throw InvalidArgument for options or camera out of range.
 RenderResult render(const RenderVolume& volume, const Camera& camera, const RenderOptions& options = {},
+                    const ProgressCallback& progress = {});
+
+/// As a photograph shows it, through any lens. @throw InvalidArgument for options or camera out of range.
+RenderResult render(const RenderVolume& volume, const PhotoCamera& camera, const RenderOptions& options = {},
                     const ProgressCallback& progress = {});
 
 /// One picture. @throw InvalidArgument for what cannot be made ready, too.

@@ -1,5 +1,6 @@
 #include "raysweep/scene/scene.h"
 
+#include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
 
 #include <cmath>
@@ -13,10 +14,6 @@ void requireLight(const char* what, const Color& c) {
 
 void requireFactor(const char* what, double value) {
     requireField(value >= 0 && value <= 1e30, what, value, "in [0, 1e30]");
-}
-
-bool isFinite(const Vec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 }  // namespace

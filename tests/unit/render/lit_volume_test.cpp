@@ -3,6 +3,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/scene/lit_file.h"
+#include "raysweep/volume/color_volume.h"
 #include "raysweep/volume/cycles_export.h"
 #include "support/temporary_folder.h"
 #include "support/volumes.h"
@@ -86,6 +87,28 @@ TEST(LitVolume, ShowsUnshotPowerAsLightOfAColour) {
     ASSERT_TRUE(sum);
     // 4 pi W from a voxel whose edge is 1, over pi and that edge's square
     EXPECT_TRUE(sum->tree().getValue(Coord(1, 1, 1)).eq(openvdb::Vec3f(2 + 4, 2, 2 + 2), 1e-6f));
+}
+
+TEST(LitVolume, OfAVolumeWithColoursShowsThemUnlessItWasLit) {
+    ColorVolume volume;
+    volume.density = test::namedBox("density", 3);
+    volume.color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.5f));
+    const VdbFile file{"colours.vdb", gridsOf(volume), {}};
+    const RenderInput input = litVolume(file);
+    EXPECT_EQ(input.density->getName(), "density");
+    EXPECT_EQ(input.extinctionScale, 1);
+    EXPECT_EQ(input.radiosity, volume.color);
+    LitVolumeOptions options;
+    options.density = "opacity";
+    options.extinction = 7;
+    EXPECT_EQ(litVolume(file, options).density->getName(), "opacity");
+    EXPECT_EQ(litVolume(file, options).extinctionScale, 7);
+    VdbFile lit = litFog();
+    lit.grids.push_back(volume.color);
+    EXPECT_EQ(litVolume(lit).radiosity->getName(), "radiosity");
+    // A number is no colour.
+    const VdbFile numbers{"numbers.vdb", {volume.density, test::namedBox("Cd", 1)}, {}};
+    EXPECT_EQ(errorOf(numbers).remedy, Remedy::lightFirst);
 }
 
 TEST(LitVolume, UnshotPowerMustBeOnTheVoxelsOfRadiosity) {

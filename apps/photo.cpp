@@ -1,0 +1,249 @@
+/// raysweep photo: a volume from photographs.
+#include "photo_report.h"
+#include "plot.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/memory.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/image/image_io.h"
+#include "raysweep/volume/color_volume.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+
+namespace fs = std::filesystem;
+
+namespace raysweep::apps {
+namespace {
+
+const std::map<std::string, PhotoMethod> kMethods = {
+    {"consistent", PhotoMethod::consistent}, {"fit", PhotoMethod::fit}, {"paper", PhotoMethod::paper}};
+
+void makeFolder(const std::string& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) throw IoError("cannot make the folder '" + folder + "': " + error.message());
+}
+
+void requireOutputs(const PhotoArguments& a) {
+    requireWritable(a.output);
+    if (!a.plot.empty()) requirePlot(a.plot);
+    if (!a.compareViews.empty()) makeFolder(a.compareViews);
+}
+
+PhotographSets readSets(const PhotoArguments& a) {
+    PhotographSetOptions options;
+    options.poses = a.poses;
+    options.photographs = a.photographs;
+    options.chooseMatting = !a.mattingGiven;
+    options.holdOut = a.holdOut;
+    options.test = a.test;
+    options.bounds = a.box;
+    TerminalProgress progress(a.common);
+    return readPhotographSets(a.input, options, progress.callback());
+}
+
+ColorVolume readReference(const std::string& path) {
+    const VdbFile file = readVdb(path);
+    ColorVolume volume;
+    volume.density = selectDensity(file);
+    volume.color = colorGrid(file);
+    if (!volume.color)
+        throw InvalidArgument("'" + path + "' has no colours: a vec3s grid 'Cd' is needed in a reference");
+    checkFinite(*volume.density, path);
+    return volume;
+}
+
+/// The method, if none was asked for.
+void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
+    if (!a.method.empty()) return;
+    const bool parallel = sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
+    a.method = parallel ? "consistent" : "fit";
+    detail(a.common, "method " + a.method);
+}
+
+PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
+    PhotoOptions options;
+    options.method = kMethods.at(a.method);
+    options.box = a.box;
+    options.resolution = a.size;
+    if (a.iterations) options.passes = *a.iterations;
+    options.relaxation = a.relaxation;
+    options.shading.diffuse = a.diffuse.value_or(0);
+    options.shading.ambient = a.ambient.value_or(std::max(0.0, 1 - options.shading.diffuse));
+    options.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
+    options.findLight = a.findLight;
+    options.seed = a.common.seed;
+    if (!a.reference.empty()) options.reference = readReference(a.reference);
+    return options;
+}
+
+/// Pictures of one name in several folders get numbers.
+class ComparisonFiles {
+  public:
+    explicit ComparisonFiles(std::string folder) : folder_(std::move(folder)) {}
+
+    std::string next(const std::string& picture, const std::string& set) {
+        const std::string stem = fs::path(picture).stem().string() + (set.empty() ? "" : "_" + set);
+        std::string name = stem;
+        for (int number = 2; !taken_.insert(name).second; ++number) name = stem + "-" + std::to_string(number);
+        return (fs::path(folder_) / (name + ".png")).string();
+    }
+
+  private:
+    std::string folder_;
+    std::set<std::string> taken_;
+};
+
+Judgement judgeAll(const PhotoArguments& a, const PhotographSets& sets, const ColorVolume& volume,
+                   const Shading& shading) {
+    PhotoQualityOptions options;
+    options.backdrop = float(a.backdrop);
+    options.shading = shading;
+    if (!a.lampStands) options.lampBeside = sets.used.views.front().camera;
+    ComparisonFiles files(a.compareViews);
+    TerminalProgress progress(a.common);
+    const auto judgeSet = [&](const PhotographSet& set, const char* name) {
+        const auto see = [&](std::size_t n, const Image& render) {
+            writeImage(files.next(set.views[n].name, name),
+                       comparisonPicture(set.views[n].matte, render, options.backdrop));
+        };
+        return judge(volume, set.views, options, a.compareViews.empty() ? SeeRender() : see, progress.callback());
+    };
+    Judgement judgement;
+    judgement.used = judgeSet(sets.used, "");
+    if (!judgement.used.complete) return judgement;
+    judgement.standingOut = viewsStandingOut(judgement.used.views);
+    judgement.heldOut = judgeSet(sets.heldOut, "held_out");
+    if (judgement.heldOut.complete) judgement.test = judgeSet(sets.test, "test");
+    return judgement;
+}
+
+void setMeta(openvdb::GridBase& grid, const PhotoArguments& a, const PhotographSets& sets) {
+    grid.insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
+    grid.insertMeta("raysweep_photo_method", openvdb::StringMetadata(a.method));
+    grid.insertMeta("raysweep_photo_input", openvdb::StringMetadata(fs::path(a.input).filename().string()));
+    grid.insertMeta("raysweep_photo_views", openvdb::Int64Metadata(std::int64_t(sets.used.views.size())));
+}
+
+void write(const PhotoArguments& a, const PhotographSets& sets, const ColorVolume& volume) {
+    std::size_t clamped = 0;
+    const openvdb::GridPtrVec grids = gridsOf(volume);
+    openvdb::GridCPtrVec written;
+    for (const openvdb::GridBase::Ptr& grid : grids) {
+        setMeta(*grid, a, sets);
+        grid->setSaveFloatAsHalf(a.half);
+        if (const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) clamped += clampForHalf(*scalars);
+        if (const auto colors = openvdb::gridPtrCast<openvdb::Vec3SGrid>(grid)) clamped += clampForHalf(*colors);
+        written.push_back(grid);
+    }
+    if (clamped > 0) warning(a.common, "values beyond half floats were set to 65504");
+    writeVdb(a.output, written);
+}
+
+/// "3 views fit much worse than the others: a, b, c".
+std::string describeStandingOut(const Judgement& judgement) {
+    constexpr std::size_t kNamed = 5;
+    const std::size_t count = judgement.standingOut.size();
+    std::string text = count == 1 ? "one view is met much worse than the others; is its pose right?"
+                                  : std::to_string(count) +
+                                        " views are met much worse than the others; are their poses "
+                                        "right?";
+    for (std::size_t i = 0; i < std::min(count, kNamed); ++i) {
+        const ViewQuality& view = judgement.used.views[judgement.standingOut[i]];
+        text += (i == 0 ? " '" : ", '") + view.name + "' (" + brief(view.psnr, 3) + " dB)";
+    }
+    return text + (count > kNamed ? ", ..." : "");
+}
+
+void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
+    const Judgement& judgement = outcome.judgement;
+    if (!judgement.standingOut.empty()) {
+        outcome.warnings.push_back(describeStandingOut(judgement));
+        warning(a.common, outcome.warnings.back());
+    }
+    if (outcome.result.density->empty()) {
+        outcome.warnings.push_back("the volume is empty");
+        warning(a.common, outcome.warnings.back());
+    }
+    const auto tell = [&](const PhotoQuality& quality, const char* what) {
+        if (!quality.views.empty())
+            detail(a.common, what + brief(quality.psnr, 4) + " dB, SSIM " + brief(quality.ssim, 3) + " (" +
+                                 std::to_string(quality.views.size()) + " views)");
+    };
+    tell(judgement.used, "views that were used: ");
+    tell(judgement.heldOut, "views held out: ");
+    tell(judgement.test, "test views: ");
+}
+
+bool isInterrupted(const PhotoReconstruction& result) {
+    return result.termination == PhotoTermination::interrupted;
+}
+
+bool isComplete(const Judgement& judgement) {
+    return judgement.used.complete && judgement.heldOut.complete && judgement.test.complete;
+}
+
+/// Reads, reconstructs and writes the volume. @return false if it was stopped before there was anything to write
+bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
+    outcome.sets = readSets(a);
+    outcome.warnings = outcome.sets.warnings;
+    for (const std::string& unlikely : outcome.warnings) warning(a.common, unlikely);
+    if (!outcome.sets.complete || TerminalProgress::interrupted()) return false;
+    chooseMethod(a, outcome.sets);
+    const PhotoOptions options = optionsFor(a, outcome.sets);
+    shading = options.shading;
+    TerminalProgress progress(a.common);
+    outcome.result = reconstructPhotographs(outcome.sets.used.views, options, progress.callback());
+    if (outcome.result.light) shading = outcome.result.light->shading;
+    return !(isInterrupted(outcome.result) && outcome.result.density->empty());
+}
+
+int run(PhotoArguments& a) {
+    const ThreadLimit limit = start(a.common);
+    requireOutputs(a);
+    resetPeak();
+    const std::size_t before = residentBytes();
+    const Timer timer;
+    PhotoOutcome outcome;
+    Shading shading;
+    if (!make(a, outcome, shading)) {
+        message(a.common, "stopped; nothing was written");
+        return kInterrupted;
+    }
+    const PhotoReconstruction& result = outcome.result;
+    const ColorVolume volume{result.density, result.color, nullptr};
+    write(a, outcome.sets, volume);
+    const bool stopped = isInterrupted(result);
+    if (stopped) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
+    if (!stopped) outcome.judgement = judgeAll(a, outcome.sets, volume, shading);
+    comment(a, outcome);
+    outcome.seconds = timer.seconds();
+    const std::size_t peak = peakResidentBytes();
+    outcome.peakBytes = peak > before ? peak - before : 0;
+    writeReport(a.common, describe(a, outcome));
+    if (!a.plot.empty()) plotHistory(a.plot, result);
+    return stopped || !isComplete(outcome.judgement) ? kInterrupted : kDone;
+}
+
+}  // namespace
+
+void addPhoto(CLI::App& app, int& exitCode) {
+    CLI::App* command = app.add_subcommand("photo", "Reconstruct a volume from photographs");
+    const auto arguments = std::make_shared<PhotoArguments>();
+    addPhotoOptions(*command, *arguments);
+    command->callback([arguments, command, &exitCode] {
+        completeOptions(*arguments, *command);
+        exitCode = run(*arguments);
+    });
+}
+
+}  // namespace raysweep::apps

@@ -1,0 +1,35 @@
+/// What `raysweep photo` is told.
+#pragma once
+
+#include "cli.h"
+
+#include "raysweep/camera/photograph_files.h"
+#include "raysweep/camera/poses.h"
+
+#include <optional>
+#include <string>
+
+namespace raysweep::apps {
+
+/// What the user typed; empty text: not given. Whole after completeOptions, but for what only the files say.
+struct PhotoArguments {
+    CommonOptions common;
+    std::string input, output, axes, matting, test, bounds, light, method, reference, plot, compareViews;
+    PoseOptions poses;
+    PhotographOptions photographs;
+    bool mattingGiven = false;  ///< else it is chosen by what the pictures have
+    int size = 128, holdOut = 0;
+    std::optional<int> iterations, harmonics;
+    std::optional<double> relaxation, ambient, diffuse;
+    std::optional<Box3> box;
+    std::optional<Vec3> lightInWorld;  ///< in the first view
+    bool findLight = false, lampStands = false, half = false;
+    double backdrop = 1;
+};
+
+void addPhotoOptions(CLI::App& command, PhotoArguments& arguments);
+
+/// Everything that can be said to be wrong before a file is read. @throw CLI::ValidationError
+void completeOptions(PhotoArguments& arguments, const CLI::App& command);
+
+}  // namespace raysweep::apps

@@ -1,0 +1,118 @@
+#include "raysweep/camera/photograph_sets.h"
+
+#include "raysweep/camera/matting_choice.h"
+#include "raysweep/camera/pose_check.h"
+#include "raysweep/core/error.h"
+#include "raysweep/core/require.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+
+namespace raysweep {
+namespace {
+
+std::string nameOf(const Pose& pose) {
+    for (const std::string* file : {&pose.image, &pose.onWhite, &pose.onBlack})
+        if (!file->empty()) return *file;
+    return "";
+}
+
+/// Errors if (nearly) all cameras look away, warns if some do.
+void checkLooking(const Poses& poses, const PhotographSetOptions& options, std::vector<std::string>& warnings) {
+    const AxesFinding finding = checkAxes(poses, options.bounds);
+    const std::size_t away = finding.lookingAway.size(), all = poses.views.size();
+    if (away == 0) return;
+    const std::string count =
+        std::to_string(away) + " of " + std::to_string(all) + " cameras look away from the object";
+    if (finding.better == CameraAxes::openGl)
+        throw InvalidArgument(count + "; with OpenGL's axes (y up, z back) they look at it", Remedy::useOpenGlAxes);
+    if (finding.better == CameraAxes::openCv)
+        throw InvalidArgument(count + "; with OpenCV's axes (y down, z ahead) they look at it", Remedy::useOpenCvAxes);
+    if (away == all)
+        throw InvalidArgument(count +
+                              ", whichever way their axes are taken: their poses, or the object's bounds, are wrong");
+    warnings.push_back(count + ", '" + nameOf(poses.views[finding.lookingAway[0]]) + "' first");
+}
+
+MattingOptions::Matting mattingFor(const Poses& poses, const PhotographSetOptions& options) {
+    if (!options.chooseMatting) return options.photographs.matting.matting;
+    if (const auto evident = evidentMatting(poses)) return *evident;
+    throw InvalidArgument(
+        "not all pictures have alpha, nor are pairs before a white and a black backdrop, or masks, named for all: it "
+        "must "
+        "be said how the object is told from its backdrop",
+        Remedy::chooseMatting);
+}
+
+struct Split {
+    Poses used, heldOut;
+};
+
+Split split(Poses poses, int holdOut) {
+    Split parts;
+    parts.used = poses;
+    parts.used.views.clear();
+    for (std::size_t n = 0; n < poses.views.size(); ++n) {
+        const bool held = holdOut > 0 && n % std::size_t(holdOut) == std::size_t(holdOut) - 1;
+        (held ? parts.heldOut : parts.used).views.push_back(std::move(poses.views[n]));
+    }
+    if (holdOut > 0 && parts.heldOut.views.empty())
+        throw InvalidArgument("every " + std::to_string(holdOut) + "th view is to be held out, but there are " +
+                              std::to_string(parts.used.views.size()) + " only: hold out more often, or not at all");
+    return parts;
+}
+
+/// Reads one set. @return false if it was stopped
+bool readSet(const Poses& poses, const PhotographOptions& options, const ProgressCallback& progress, PhotographSet& set,
+             std::vector<std::string>& warnings) {
+    if (poses.views.empty()) return true;
+    Photographs photographs = readPhotographs(poses, options, progress);
+    set.views = std::move(photographs.views);
+    set.mattes = std::move(photographs.reports);
+    for (const PhotographWarning& warning : photographs.warnings)
+        if (warning.kind != PhotographWarning::Kind::oneView) warnings.push_back(warning.message);
+    return photographs.complete;
+}
+
+Poses readTestPoses(const PhotographSetOptions& options, CameraAxes axes) {
+    if (options.test.empty()) return {};
+    PoseOptions same = options.poses;
+    if (same.axes) same.axes = axes;
+    return readPoses(options.test, same);
+}
+
+}  // namespace
+
+void PhotographSetOptions::validate() const {
+    photographs.validate();
+    requireField(holdOut == 0 || holdOut >= 2, "holdOut", holdOut, "0 (none) or at least 2");
+}
+
+PhotographSets readPhotographSets(const std::string& input, const PhotographSetOptions& options,
+                                  const ProgressCallback& progress) {
+    const Timer timer;
+    options.validate();
+    PhotographSets sets;
+    const Poses all = readPoses(input, options.poses);
+    checkLooking(all, options, sets.warnings);
+    sets.matting = mattingFor(all, options);
+    const Poses test = readTestPoses(options, all.axes);
+    Split parts = split(all, options.holdOut);
+    sets.poses = std::move(parts.used);
+    PhotographOptions photographs = options.photographs;
+    photographs.matting.matting = sets.matting;
+    PhotographOptions ofTest = photographs;
+    if (!ofTest.matteFolder.empty())  // pictures of both may have the same names
+        ofTest.matteFolder = (std::filesystem::path(ofTest.matteFolder) / "test").string();
+    sets.complete = readSet(sets.poses, photographs, progress, sets.used, sets.warnings) &&
+                    readSet(parts.heldOut, photographs, progress, sets.heldOut, sets.warnings) &&
+                    readSet(test, ofTest, progress, sets.test, sets.warnings);
+    if (!sets.complete) sets.used = sets.heldOut = sets.test = {};
+    if (sets.poses.views.size() == 1)
+        sets.warnings.push_back("there is one view only: nothing says how far away what it shows is");
+    sets.seconds = timer.seconds();
+    return sets;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,91 @@
+/// A volume from photographs: extinction and colour such that compositing them along the pixels' rays (composite.h)
+/// gives what the pictures show. The exact derivative of the squared difference lowers it, by steps of Adam
+/// (voxel_fit.h); only what lies in the visual hull is kept; from coarse to fine. As S. Fridovich-Keil, A. Yu and
+/// others, "Plenoxels: Radiance Fields without Neural Networks", CVPR 2022, do, but mixed in linear light, as renderers
+/// mix volumes.
+///
+/// Colours are compared as displays encode them and as pictures with alpha are put on a backdrop: with straight colour
+/// C / α and α = 1 - T, P = encode(C / α) α. Before every backdrop b of equal right, the mean of the squared difference
+/// of P + (1 - α) b is
+///
+///     E = (ΔP - Δα / 2)² + Δα² / 12   summed over red, green and blue                                          (1)
+#pragma once
+
+#include "raysweep/camera/photographs.h"
+#include "raysweep/core/progress.h"
+#include "raysweep/volume/grids.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace raysweep {
+
+struct PhotoFitOptions {
+    int resolution = 128;              ///< voxels along the longest edge of the box, multiple of 8, 16 to 1024
+    std::optional<Box3> box;           ///< of the volume, world units; without it what the photographs show
+    int levels = 2;                    ///< grids, each twice as fine as the one before, > 0
+    double coarsePasses = 3;           ///< how often each pixel is used in each coarse grid, > 0
+    double passes = 12;                ///< and in the finest, > 0
+    int pictureSize = 400;             ///< pictures whose longer edge is twice this or more are reduced, pixels, > 0
+    int samplesPerSlice = 2;           ///< of rays, from slice to slice, > 0
+    int raysPerUpdate = 16384;         ///< > 0
+    double extinctionRate = 0.05;      ///< first step of extinction, 1/edge of a voxel, > 0
+    double colorRate = 0.02;           ///< first step of the square root of colours, > 0
+    double lastRate = 0.1;             ///< part of the rates that is left at the end of a grid, in (0,1]
+    double smoothExtinction = 1e-4;    ///< weight of extinction's total variation, >= 0
+    double smoothColor = 3e-4;         ///< weight of the colours' total variation, >= 0
+    double sparsity = 1e-3;            ///< weight of log(1 + 2 extinction²), >= 0
+    double backdrop = 0.5;             ///< mean of the backdrops that pictures are compared on, in [0,1]
+    double backdropSpread = 1.0 / 12;  ///< their variance, > 0
+    double hullThreshold = 0.02;       ///< alpha above which a pixel shows something, in [0,1)
+    double prune = 0.01;    ///< extinction below which a coarse voxel without others around it is dropped, >= 0
+    double leftOut = 0.02;  ///< part of the pixels that is not fitted but compared with, in [0,0.5)
+    std::uint32_t seed = 1;
+
+    /// @throw InvalidArgument naming field, value and bound.
+    void validate() const;
+};
+
+enum class PhotoFitTermination {
+    passes,      ///< all passes were made
+    interrupted  ///< the progress callback said stop; the volume is what there was
+};
+
+/// How far it was.
+struct PhotoFitPoint {
+    int updates;     ///< so far
+    double seconds;  ///< since the beginning
+    int resolution;  ///< of the grid
+    double fitted;   ///< PSNR of the pixels since the last point, each just before its update, on white as displays
+                     ///< encode it, dB
+    double leftOut;  ///< PSNR of the pixels that are not fitted; NaN without any
+};
+
+struct PhotoFitTimings {
+    double prepared = 0;  ///< s: pictures, hull
+    double updates = 0;   ///< s: derivatives and steps
+    double total = 0;
+};
+
+struct PhotoFitResult {
+    openvdb::FloatGrid::Ptr density;  ///< "density", extinction, 1/world unit
+    openvdb::FloatGrid::Ptr opacity;  ///< "opacity", of one voxel's edge, in [0,1]
+    openvdb::Vec3SGrid::Ptr color;    ///< "Cd", linear light
+    std::vector<PhotoFitPoint> history;
+    PhotoFitTermination termination = PhotoFitTermination::passes;
+    PhotoFitTimings timings;
+    std::size_t keptVoxels = 0;
+    double samples = 0;  ///< of rays, in all updates
+};
+
+/// Memory: 64 bytes for each voxel of a brick of the hull, and the pictures at `pictureSize`. The same bits for any
+/// number of threads.
+/// @throw InvalidArgument for options out of bounds, photographs without alpha, cameras of other sizes than their
+/// pictures, and photographs that show nothing.
+PhotoFitResult fitPhotographs(const std::vector<Photograph>& photographs, const PhotoFitOptions& options,
+                              const ProgressCallback& progress = {});
+
+}  // namespace raysweep

@@ -1,0 +1,154 @@
+#include "raysweep/reconstruct/photo_hull.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace raysweep {
+namespace {
+
+/// How many of a picture's pixels above and left of a corner show something.
+class CoveredPixels {
+  public:
+    CoveredPixels(const Image& matte, float threshold)
+        : width_(matte.width), height_(matte.height), sums_(std::size_t(width_ + 1) * std::size_t(height_ + 1)) {
+        for (int y = 0; y < height_; ++y) {
+            std::uint32_t row = 0;
+            for (int x = 0; x < width_; ++x) {
+                row += matte.at(x, y)[3] > threshold;
+                sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
+            }
+        }
+    }
+
+    /// Whether a rectangle shows something, or part of it lies outside of the picture.
+    bool mayShow(double left, double top, double right, double bottom) const {
+        if (!(left >= 0 && top >= 0 && right <= width_ && bottom <= height_)) return true;
+        const int x0 = int(left), y0 = int(top);
+        const int x1 = std::min(width_, int(right) + 1), y1 = std::min(height_, int(bottom) + 1);
+        return sums_[index(x1, y1)] + sums_[index(x0, y0)] != sums_[index(x0, y1)] + sums_[index(x1, y0)];
+    }
+
+  private:
+    std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_ + 1) + std::size_t(x); }
+
+    int width_, height_;
+    std::vector<std::uint32_t> sums_;
+};
+
+struct View {
+    const PhotoCamera& camera;
+    CoveredPixels covered;
+
+    /// Whether a ball may hold something, as far as this picture knows.
+    bool mayShow(const Vec3& center, double radius) const {
+        const auto seen = project(camera, center);
+        const bool orthographic = camera.projection == Camera::Projection::Orthographic;
+        if (!seen || (!orthographic && seen->depth <= 2 * radius)) return true;
+        // Of a ball off the axis the picture is an ellipse; 1.5 covers those of any camera up to 110 degrees wide.
+        const double scale = orthographic ? 1 : 1.5 / (seen->depth - radius);
+        const double x = radius * camera.focalX * scale, y = radius * camera.focalY * scale;
+        return covered.mayShow(seen->x - x, seen->y - y, seen->x + x, seen->y + y);
+    }
+};
+
+std::vector<View> viewsOf(const std::vector<Photograph>& photographs, float threshold) {
+    std::vector<View> views;
+    views.reserve(photographs.size());
+    for (const Photograph& photograph : photographs)
+        views.push_back({photograph.camera, CoveredPixels(photograph.matte, threshold)});
+    return views;
+}
+
+bool mayShow(const std::vector<View>& views, const Vec3& center, double radius) {
+    return std::all_of(views.begin(), views.end(), [&](const View& v) { return v.mayShow(center, radius); });
+}
+
+/// The point that is nearest to all the cameras' axes (least squares).
+Vec3 lookedAt(const std::vector<Photograph>& photographs) {
+    Matrix3 sum(0, 0, 0, 0, 0, 0, 0, 0, 0);
+    Vec3 right(0);
+    for (const Photograph& photograph : photographs) {
+        const Vec3 d = photograph.camera.forward, p = photograph.camera.position;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+                const double m = (i == j ? 1.0 : 0.0) - d[i] * d[j];
+                sum[i][j] += m;
+                right[i] += m * p[j];
+            }
+    }
+    // Nearly parallel axes: the middle of all cameras' is as good as any other point along them.
+    if (std::abs(sum.determinant()) < 1e-9 * std::pow(double(photographs.size()), 3))
+        throw InvalidArgument(
+            "the cameras look along one line: what they see together cannot be told from them; say where it is");
+    return right * sum.inverse();
+}
+
+/// Half the edge of a cube about `center` that all pictures may show: what one does not show of it is not known.
+double seenAround(const std::vector<Photograph>& photographs, const Vec3& center) {
+    double least = std::numeric_limits<double>::max();
+    for (const Photograph& photograph : photographs) {
+        const PhotoCamera& camera = photograph.camera;
+        const bool orthographic = camera.projection == Camera::Projection::Orthographic;
+        const double depth = (center - camera.position).dot(camera.forward);
+        if (!orthographic && depth <= 0) continue;
+        const double perPixel = (orthographic ? 1 : depth) / std::min(camera.focalX, camera.focalY);
+        double half = 0.5 * std::max(camera.width, camera.height) * perPixel;
+        if (!orthographic) half = std::min(half, 0.9 * depth);
+        least = std::min(least, half);
+    }
+    if (least == std::numeric_limits<double>::max())
+        throw InvalidArgument("the cameras look at nothing in common; say where the object is");
+    return least;
+}
+
+}  // namespace
+
+std::vector<MaskedBrick> photoHull(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
+                                   float threshold) {
+    const std::vector<View> views = viewsOf(photographs, threshold);
+    const Index3 count((grid.dims.x + 7) / 8, (grid.dims.y + 7) / 8, (grid.dims.z + 7) / 8);
+    std::vector<MaskedBrick> bricks(std::size_t(count.x) * std::size_t(count.y) * std::size_t(count.z));
+    // Half the diagonal of a cube from neighbour to neighbour.
+    const double reach = std::sqrt(3.0) * grid.spacing;
+    parallelFor(bricks.size(), [&](std::size_t b) {
+        MaskedBrick& brick = bricks[b];
+        brick.origin = Index3(int(b) / (count.y * count.z), int(b) / count.z % count.y, int(b) % count.z) * 8;
+        brick.mask = {};
+        const Vec3 middle = grid.voxel(brick.origin.x + 3.5, brick.origin.y + 3.5, brick.origin.z + 3.5);
+        if (!mayShow(views, middle, 4.5 * reach)) return;
+        for (int i = 0; i < 512; ++i) {
+            const Index3 at = brick.origin + Index3(i >> 6, i >> 3 & 7, i & 7);
+            if (at.x >= grid.dims.x || at.y >= grid.dims.y || at.z >= grid.dims.z) continue;
+            if (mayShow(views, grid.voxel(at.x, at.y, at.z), reach))
+                brick.mask[std::size_t(i >> 6)] |= std::uint64_t(1) << (i & 63);
+        }
+    });
+    bricks.erase(std::remove_if(bricks.begin(), bricks.end(), [](const auto& b) { return b.mask == VoxelMask{}; }),
+                 bricks.end());
+    return bricks;
+}
+
+Box3 photographedBox(const std::vector<Photograph>& photographs, float threshold) {
+    ReconstructionGrid grid;
+    grid.dims = Index3(96);
+    grid.center = lookedAt(photographs);
+    grid.spacing = 2 * seenAround(photographs, grid.center) / 96;
+    Box3 box;
+    for (const MaskedBrick& brick : photoHull(photographs, grid, threshold))
+        for (int i = 0; i < 512; ++i)
+            if (isSet(brick.mask, i >> 6, i >> 3 & 7, i & 7)) {
+                const Vec3 at =
+                    grid.voxel(brick.origin.x + (i >> 6), brick.origin.y + (i >> 3 & 7), brick.origin.z + (i & 7));
+                box.extendBy(at - Vec3(0.5 * grid.spacing));
+                box.extendBy(at + Vec3(0.5 * grid.spacing));
+            }
+    if (box.isEmpty())
+        throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
+    return box;
+}
+
+}  // namespace raysweep

@@ -1,0 +1,59 @@
+/// What comes out of a reconstruction from photographs, whatever the method.
+#pragma once
+
+#include "raysweep/render/shading.h"
+#include "raysweep/volume/grids.h"
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace raysweep {
+
+enum class PhotoTermination {
+    iterations,  ///< all passes were made
+    interrupted  ///< the progress callback said stop; the volume is the best of what there was
+};
+
+/// How far it was.
+struct PhotoPoint {
+    int updates = 0;        ///< so far
+    double seconds = 0;     ///< spent on them
+    int resolution = 0;     ///< voxels along the longest edge of the grid
+    double imageError = 0;  ///< RMS difference to the pictures since the last point, each just before its update
+    double opacity = std::numeric_limits<double>::quiet_NaN();  ///< RMS over all voxels of the grid of the difference
+                                                                ///< to the reference; NaN without one
+    double color = std::numeric_limits<double>::quiet_NaN();    ///< the same of opacity times colour, mean of channels
+};
+
+/// The light that photographs were found to be taken in.
+struct PhotoLight {
+    Shading shading;       ///< as for the first photograph
+    double residual = 0;   ///< RMS of what it leaves unexplained of the brightness of surfaces, relative
+    double aside = 0;      ///< the least that any light leaves whose direction is 30 degrees or more away
+    double ambient = 0;    ///< the same of ambient light alone
+    double uncertain = 0;  ///< degrees from the direction to the farthest that leaves hardly more (photo_light.h)
+};
+
+struct PhotoTimings {
+    double prepared = 0;  ///< s: pictures, hull
+    double light = 0;     ///< s: looking for the light
+    double updates = 0;   ///< s
+    double total = 0;
+};
+
+struct PhotoReconstruction {
+    openvdb::FloatGrid::Ptr density;  ///< "density", extinction, 1/world unit
+    openvdb::FloatGrid::Ptr opacity;  ///< "opacity", of one voxel's edge, in [0,1]
+    openvdb::Vec3SGrid::Ptr color;    ///< "Cd", linear light; one voxel further than density
+    std::vector<PhotoPoint> history;
+    PhotoTermination termination = PhotoTermination::iterations;
+    std::optional<PhotoLight> light;  ///< where it was asked for
+    PhotoTimings timings;
+    int updates = 0;
+    std::size_t keptVoxels = 0;  ///< in the bricks that had memory
+    double samples = 0;          ///< of rays, in all updates
+};
+
+}  // namespace raysweep

@@ -1,0 +1,91 @@
+// A model that COLMAP made of real photographs (Middlebury's temple): its cameras stand to each other as the ones that
+// were measured do.
+#include "raysweep/camera/object_bounds.h"
+#include "raysweep/camera/poses.h"
+
+#include "support/source_folder.h"
+#include "support/volumes.h"
+#include "support/worst.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <utility>
+#include <vector>
+
+using namespace raysweep;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string nameOf(const Pose& pose) {
+    return fs::path(pose.image).filename().string();
+}
+
+/// Angle between the views' rotations, rad.
+double angleBetween(const PhotoCamera& a, const PhotoCamera& b) {
+    const double trace = a.right.dot(b.right) + a.down.dot(b.down) + a.forward.dot(b.forward);
+    return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0));
+}
+
+/// Cameras of one picture in both, in the order of names.
+std::vector<std::pair<PhotoCamera, PhotoCamera>> common(const Poses& first, const Poses& second) {
+    std::map<std::string, PhotoCamera> cameras;
+    for (const Pose& pose : second.views) cameras[nameOf(pose)] = pose.camera;
+    std::vector<std::pair<PhotoCamera, PhotoCamera>> pairs;
+    for (const Pose& pose : first.views)
+        if (cameras.count(nameOf(pose)) > 0) pairs.emplace_back(pose.camera, cameras[nameOf(pose)]);
+    return pairs;
+}
+
+}  // namespace
+
+TEST(TempleColmap, AgreesWithTheMeasuredCameras) {
+    const std::string list = test::findData("photos/temple/templeSR_par.txt");
+    if (list.empty()) GTEST_SKIP() << "the temple's photographs are not here";
+    PoseOptions options;
+    options.imageFolder = fs::path(list).parent_path().string();
+    const Poses colmap = readPoses((fs::path(test::sourceFolder()) / "tests/data/temple_colmap").string(), options);
+    const Poses measured = readPoses(list, options);
+    ASSERT_EQ(colmap.views.size(), 13u);
+    EXPECT_EQ(colmap.points.size(), 300u);
+    EXPECT_EQ(measured.views.size(), 16u);
+    const auto pairs = common(colmap, measured);
+    ASSERT_EQ(pairs.size(), 13u);
+
+    double ratios = 0, worstRatio = 0, worstAngle = 0;
+    int count = 0;
+    const auto ratio = [&](std::size_t a, std::size_t b) {
+        return (pairs[a].first.position - pairs[b].first.position).length() /
+               (pairs[a].second.position - pairs[b].second.position).length();
+    };
+    for (std::size_t a = 0; a < pairs.size(); ++a)
+        for (std::size_t b = a + 1; b < pairs.size(); ++b, ++count) ratios += ratio(a, b);
+    for (std::size_t a = 0; a < pairs.size(); ++a)
+        for (std::size_t b = a + 1; b < pairs.size(); ++b) {
+            test::raiseTo(worstRatio, std::abs(ratio(a, b) * count / ratios - 1));
+            test::raiseTo(worstAngle, std::abs(angleBetween(pairs[a].first, pairs[b].first) -
+                                               angleBetween(pairs[a].second, pairs[b].second)));
+        }
+    EXPECT_LE(worstRatio, 1);
+    EXPECT_LE(worstAngle, 0);
+    for (const auto& [found, known] : pairs) EXPECT_NEAR(found.focalX / known.focalX, 1, 0.01);
+}
+
+TEST(TempleColmap, PointsSayWhereTheTempleIs) {
+    const std::string list = test::findData("photos/temple/templeSR_par.txt");
+    if (list.empty()) GTEST_SKIP() << "the temple's photographs are not here";
+    PoseOptions options;
+    options.imageFolder = fs::path(list).parent_path().string();
+    const Poses colmap = readPoses((fs::path(test::sourceFolder()) / "tests/data/temple_colmap").string(), options);
+    const Box3 box = estimatedBounds(colmap);
+    for (const Pose& pose : colmap.views) {
+        const auto seen = project(pose.camera, box.center());
+        ASSERT_TRUE(seen) << pose.image;
+        EXPECT_NEAR(seen->x, 320, 160) << pose.image;  // the temple stands in the middle half
+        EXPECT_NEAR(seen->y, 240, 120) << pose.image;
+    }
+}
