@@ -324,8 +324,7 @@ TEST(Poses, OfTheLegoLookAtItsMiddle) {
         const Vec3 aside = pose.camera.position.cross(pose.camera.forward);
         // The scene was made with its middle in the origin; its numbers are floats near 4: 2.5e-6 found.
         EXPECT_LT(aside.length(), 2.7e-6);
-        numbers are floats near 4 ";
-            EXPECT_LT(pose.camera.position.dot(pose.camera.forward), 0);
+        EXPECT_LT(pose.camera.position.dot(pose.camera.forward), 0);
     }
 }
 
