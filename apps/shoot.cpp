@@ -122,7 +122,7 @@ void completeOptions(Arguments& a, const CLI::App& command) {
         a.cameras.orthoWidth = a.ortho == "auto" ? 0 : parseNumber(a.ortho, "--ortho", "2.5 or auto");
         if (a.ortho != "auto" && !(a.cameras.orthoWidth > 0)) usageError("--ortho", "the width must be positive");
     }
-    const std::vector<int> size = parseWhole(a.size, "--size", 2, 1, 32768, "640,480");
+    const std::vector<int> size = parseWhole(a.size, "--size", 2, {1, 32768}, "640,480");
     a.cameras.width = size[0], a.cameras.height = size[1];
     a.rig.shading.ambient = a.ambient.value_or(std::max(0.0, 1 - a.rig.shading.diffuse));
     if (!a.light.empty()) a.rig.shading.light = parseVec3(a.light, "--light");
