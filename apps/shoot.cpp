@@ -152,6 +152,8 @@ bool isOurs(const std::string& name) {
 Pose writeView(const Arguments& a, const std::string& folder, std::size_t view, const Image& picture) {
     Pose pose;
     pose.camera = photoCamera(a.rig.cameras[view]);
+    const PhotoCamera first = photoCamera(a.rig.cameras.front());
+    pose.camera.focalX = first.focalX, pose.camera.focalY = first.focalY;  // one lens, whatever the axes' rounding
     for (const Backdrop& backdrop : a.backdrops) {
         const std::string path = (fs::path(folder) / numbered(a, view, backdrop)).string();
         writeImage(path, backdrop.color ? overBackdrop(picture, *backdrop.color) : picture);

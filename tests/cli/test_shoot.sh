@@ -56,7 +56,6 @@ for view in 1 2 3 4; do expect_exit 0 "$raysweep" compare one/view_000$view.exr 
 # White and black are the matted picture before them.
 shoot tri.vdb -o pair "${small[@]}" --format exr --backdrop white,black
 expect_json pair/transforms.json "r['frames'][3]['file_path_white'] == 'view_0004_white.exr' and r['frames'][3]['file_path_black'] == 'view_0004_black.exr'"
-expect_exit 0 "$raysweep" render tri.vdb -o second.exr --size 40,30 --eye="$eye" --target="$target" --background 1
 shoot tri.vdb -o colour "${small[@]}" --format exr --backdrop 0.2,0.4,0.8
 [ -e colour/view_0001.exr ] || fail "files: $(ls colour)"
 expect_json colour/rig.json "[round(v, 6) for v in r['backdrops']['color']] == [0.2, 0.4, 0.8]"

@@ -147,6 +147,15 @@ std::size_t shoot(const RenderInput& volume, const Rig& rig, const TakePicture& 
     return done;
 }
 
+std::vector<Photograph> photographsOf(const RenderInput& volume, const Rig& rig, const ProgressCallback& progress) {
+    std::vector<Photograph> photographs;
+    const auto keep = [&](std::size_t view, const Image& picture) {
+        photographs.push_back({"view " + std::to_string(view + 1), photoCamera(rig.cameras[view]), picture});
+    };
+    shoot(volume, rig, keep, progress);
+    return photographs;
+}
+
 Image overBackdrop(const Image& matted, const Color& backdrop) {
     if (matted.channels != 4)
         throw InvalidArgument("a matted picture has 4 channels, not " + std::to_string(matted.channels));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raysweep/camera/camera.h"
+#include "raysweep/camera/photographs.h"
 #include "raysweep/render/render.h"
 #include "raysweep/render/shading.h"
 
@@ -63,6 +64,9 @@ using TakePicture = std::function<void(std::size_t view, const Image& picture)>;
 /// share a transform
 std::size_t shoot(const RenderInput& volume, const Rig& rig, const TakePicture& take,
                   const ProgressCallback& progress = {});
+
+/// The same, kept in memory, with cameras and names "view 1" and so on.
+std::vector<Photograph> photographsOf(const RenderInput& volume, const Rig& rig, const ProgressCallback& progress = {});
 
 /// RGB of a matted picture before a backdrop of radiance `backdrop`, not negative.
 Image overBackdrop(const Image& matted, const Color& backdrop);

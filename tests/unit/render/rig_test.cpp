@@ -232,6 +232,23 @@ TEST(Shoot, ABallLooksTheSameFromEverywhere) {
     }
 }
 
+TEST(Shoot, PhotographsKnowTheirCameras) {
+    const RenderInput volume = ball();
+    Rig rig;
+    rig.cameras = rigCameras(parallel(3, 16), worldBounds(*volume.density));
+    const std::vector<Photograph> photographs = photographsOf(volume, rig);
+    const std::vector<Image> pictures = picturesOf(volume, rig);
+    ASSERT_EQ(photographs.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(photographs[i].name, "view " + std::to_string(i + 1));
+        EXPECT_EQ(photographs[i].matte.pixels, pictures[i].pixels);
+        const Ray ray = pixelRay(photographs[i].camera, 3.5, 4.5),
+                  same = pixelRay(cameraFrame(rig.cameras[i]), 3.5, 4.5);
+        EXPECT_NEAR(ray.direction.dot(same.direction), 1, 1e-12);
+        EXPECT_NEAR((ray.origin - same.origin).cross(ray.direction).length(), 0, 1e-12);
+    }
+}
+
 TEST(Shoot, StopsWhenAskedTo) {
     Rig rig;
     rig.cameras = rigCameras(parallel(6, 8), Box3(Vec3(-1), Vec3(1)));
