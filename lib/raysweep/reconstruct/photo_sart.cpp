@@ -210,7 +210,7 @@ class PhotoSolver {
             const std::size_t place = std::size_t(n) % views;
             if (place == 0)
                 for (std::size_t i = views; i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-            update(pictures_[order[place]]);
+            update(pictures_[order[place]], n / int(views));
             if (place == views - 1) endPass();
             const int every = options_.historyEvery > 0 ? options_.historyEvery : int(views);
             if (result_.updates % every == 0 || n == updates - 1) addPoint(reference);
@@ -234,10 +234,10 @@ class PhotoSolver {
         double rms() const { return std::sqrt(squares / std::max(4 * rays, 1.0)); }
     };
 
-    void update(const Photograph& picture) {
+    void update(const Photograph& picture, int time) {
         const Timer timer;
         const ViewLight light = lightFor(picture.camera);
-        setRays(rays_, picture, grid_, layout_, options_.samplesPerSlice);
+        setRays(rays_, picture, grid_, layout_, options_.samplesPerSlice, time);
         prepare(light);
         const float mostDepth = float(-std::log1p(-options_.saturation));
         compositeSpread(
