@@ -73,7 +73,7 @@ void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
 PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     PhotoOptions options;
     options.method = kMethods.at(a.method);
-    options.box = a.box;
+    options.box = sets.bounds;
     options.resolution = a.size;
     if (a.iterations) options.passes = *a.iterations;
     options.relaxation = a.relaxation;

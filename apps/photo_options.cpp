@@ -32,7 +32,7 @@ void addInputOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--axes", a.axes, "How cameras' axes lie: y up and z back, or y down and z ahead (default: INPUT's)")
         ->check(CLI::IsMember(kAxes).description(""))
         ->type_name("opengl|opencv");
-    app.add_option("--reduce", a.photographs.reduction, "Make pictures smaller by this factor")
+    app.add_option("--reduction", a.photographs.reduction, "Make pictures smaller by this factor")
         ->type_name("N")
         ->capture_default_str();
     app.add_option("--hold-out", a.holdOut, "Keep every K-th view from the reconstruction, to judge it by")

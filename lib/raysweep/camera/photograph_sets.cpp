@@ -1,6 +1,7 @@
 #include "raysweep/camera/photograph_sets.h"
 
 #include "raysweep/camera/matting_choice.h"
+#include "raysweep/camera/object_bounds.h"
 #include "raysweep/camera/pose_check.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/require.h"
@@ -82,6 +83,27 @@ Poses readTestPoses(const PhotographSetOptions& options, CameraAxes axes) {
     return readPoses(options.test, same);
 }
 
+/// None for views that all run one way, and for such that see no common place.
+std::optional<Box3> whereAllLook(const Poses& poses) {
+    try {
+        return estimatedBounds(poses);
+    } catch (const InvalidArgument&) {
+        return std::nullopt;
+    }
+}
+
+std::optional<Box3> boundsFor(const PhotographSets& sets) {
+    const std::optional<Box3> start = whereAllLook(sets.poses);
+    if (!start) return start;
+    const std::vector<MatteReport>& mattes = sets.used.mattes;
+    const auto isEmpty = [](const MatteReport& matte) { return matte.covered == 0; };
+    if (std::none_of(mattes.begin(), mattes.end(), isEmpty)) return boundsOf(sets.used.views, *start);
+    std::vector<Photograph> showing;
+    for (std::size_t n = 0; n < mattes.size(); ++n)
+        if (!isEmpty(mattes[n])) showing.push_back(sets.used.views[n]);
+    return boundsOf(showing, *start);
+}
+
 }  // namespace
 
 void PhotographSetOptions::validate() const {
@@ -109,6 +131,7 @@ PhotographSets readPhotographSets(const std::string& input, const PhotographSetO
                     readSet(parts.heldOut, photographs, progress, sets.heldOut, sets.warnings) &&
                     readSet(test, ofTest, progress, sets.test, sets.warnings);
     if (!sets.complete) sets.used = sets.heldOut = sets.test = {};
+    sets.bounds = options.bounds || !sets.complete ? options.bounds : boundsFor(sets);
     if (sets.poses.views.size() == 1)
         sets.warnings.push_back("there is one view only: nothing says how far away what it shows is");
     sets.seconds = timer.seconds();
