@@ -2,6 +2,7 @@
 // derivative of their loss (compositeGradient), now and then smoothness, a step of all bricks.
 #include "raysweep/reconstruct/photo_fit.h"
 
+#include "raysweep/core/brief.h"
 #include "raysweep/core/denormals.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
@@ -308,9 +309,8 @@ class LevelFit {
         for (int n = 0; n < updates && goesOn; ++n) {
             if (std::size_t(n) % perPass == 0) shuffle(sets_.fitted, random_);
             update(n, double(n) / updates, std::size_t(n) % perPass);
+            goesOn = report(progress, howItGoes(), from + (to - from) * (n + 1) / updates);
             if (std::size_t(n) % perPass == perPass - 1 || n == updates - 1) addPoint();
-            goesOn = report(progress, "fitting " + std::to_string(level_.grid.dims.x),
-                            from + (to - from) * (n + 1) / updates);
         }
         result_.timings.updates += timer.seconds();
         return goesOn;
@@ -360,6 +360,11 @@ class LevelFit {
             stepBrick(level_.voxels.data() + first, level_.gradient.data() + first, level_.moments.data() + first,
                       level_.layout.masks[n + 1], step);
         });
+    }
+
+    std::string howItGoes() const {
+        return "fitting: " + std::to_string(level_.grid.dims.x) + " voxels along x, " + brief(psnr(error_, seen_), 3) +
+               " dB";
     }
 
     double leftOutPsnr() {
