@@ -70,7 +70,7 @@ TEST(TempleColmap, AgreesWithTheMeasuredCameras) {
     double scale = 0, worstRatio = 0;
     for (const auto& [found, known] : distances) scale += found / known / double(distances.size());
     for (const auto& [found, known] : distances) test::raiseTo(worstRatio, std::abs(found / known / scale - 1));
-    EXPECT_LE(worstRatio, 0);
+    EXPECT_LE(worstRatio, 0.017);   // found: 0.0155
     EXPECT_LE(worstAngle, 0.0154);  // found: 0.0141; bundle adjustment of 13 views and a lens of its own
     for (const auto& [found, known] : pairs) EXPECT_NEAR(found.focalX / known.focalX, 1, 0.01);
 }
