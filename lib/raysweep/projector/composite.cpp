@@ -7,6 +7,8 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -206,9 +208,9 @@ class Sampler {
     int brickOrigin_, cellOrigin_;
 };
 
-/// Indices of the eight voxels around a sample, wherever their bricks are.
+/// Indices of the first `count` of the eight voxels around a sample, wherever their bricks are.
 template <int kAxis>
-HWY_INLINE void indicesAround(const std::int32_t* brick, const int* brickStride, const Places& at, int i,
+HWY_INLINE void indicesAround(const std::int32_t* brick, const int* brickStride, const Places& at, int i, int count,
                               std::size_t (&to)[8]) {
     using Step = Strides<kAxis>;
     int table[3][2], within[3][2];
@@ -220,7 +222,7 @@ HWY_INLINE void indicesAround(const std::int32_t* brick, const int* brickStride,
         within[axis][0] = low * inBrick[axis];
         within[axis][1] = low == 7 ? 0 : (low + 1) * inBrick[axis];
     }
-    for (int which = 0; which < 8; ++which) {
+    for (int which = 0; which < count; ++which) {
         const int s = which >> 2, u = which >> 1 & 1, v = which & 1;
         to[which] = (std::size_t(brick[table[0][s] + table[1][u] + table[2][v]]) << 9) +
                     std::size_t(within[0][s] + within[1][u] + within[2][v]);
@@ -251,7 +253,7 @@ HWY_INLINE Four sampleAt(const Sampler<kAxis>& sampler, const std::int32_t* tabl
         return between > 0 ? mix(below, inSlice(p + Step::slice), setFour(between)) : below;
     }
     std::size_t index[8];
-    indicesAround<kAxis>(brick, sampler.brickStride(), at, i, index);
+    indicesAround<kAxis>(brick, sampler.brickStride(), at, i, between > 0 ? 8 : 4, index);
     const auto inSlice = [&](const std::size_t* q) HWY_ATTR {
         const Four low = mix(load(voxels + q[0]), load(voxels + q[1]), second);
         const Four high = mix(load(voxels + q[2]), load(voxels + q[3]), second);
@@ -300,7 +302,7 @@ HWY_INLINE void spreadFrom(const Sampler<kAxis>& sampler, const std::int32_t* ta
         return;
     }
     std::size_t index[8];
-    indicesAround<kAxis>(brick, sampler.brickStride(), at, i, index);
+    indicesAround<kAxis>(brick, sampler.brickStride(), at, i, between > 0 ? 8 : 4, index);
     const auto inSlice = [&](const std::size_t* q) HWY_ATTR {
         for (int n = 0; n < 4; ++n)
             if (q[n] >= 512) addTo(gradient + q[n], parts[n]);
@@ -435,6 +437,18 @@ void differentiateOne(const CompositeVoxel* HWY_RESTRICT samples, const float* H
     }
 }
 
+constexpr std::size_t kAhead = 6;  ///< rays
+
+/// A layer has few samples of each ray, so that every ray's would be waited for.
+HWY_INLINE void fetchAhead(const CompositeTape& tape, std::size_t ray, CompositeTape::Span span) {
+    if (span.first == span.last) return;
+    const CompositeTape::Piece& piece = tape.pieces[ray / kRaysTogether];
+    const std::size_t begin = piece.firsts[ray % kRaysTogether] + span.first;
+    hwy::Prefetch(&piece.numbers[begin]);
+    hwy::Prefetch(&piece.derivatives[begin]);
+    hwy::Prefetch(&piece.derivatives[begin] + 4);
+}
+
 /// The samples of a layer, ray after ray in their order.
 template <int kAxis>
 void spreadLayerAlong(const CompositeLayout& layout, const CompositeRay* rays, std::size_t first, std::size_t last,
@@ -444,6 +458,7 @@ void spreadLayerAlong(const CompositeLayout& layout, const CompositeRay* rays, s
     Places places;
     HWY_ALIGN float numbers[kChunk] = {};
     for (std::size_t r = first; r < last; ++r) {
+        if (r + kAhead < last) fetchAhead(tape, r + kAhead, spans[r + kAhead]);
         const CompositeTape::Span span = spans[r];
         if (span.first == span.last) continue;
         const CompositeTape::Piece& piece = tape.pieces[r / kRaysTogether];

@@ -42,9 +42,9 @@ void requireUsable(const std::vector<Photograph>& photographs) {
     }
 }
 
-/// What a ray through a pixel of `parts` x `parts` rays stands for.
+/// What a ray stands for, if there are `parts` x `parts` for each pixel.
 RayShare shareOf(const PhotoCamera& camera, const Ray& ray, const CompositeRay& line, const ReconstructionGrid& grid,
-                 int parts) {
+                 double parts) {
     const double perPixel = std::sqrt(double(line.length)) / (parts * grid.spacing);
     if (camera.projection == Camera::Projection::Orthographic)
         return {float(perPixel / std::sqrt(camera.focalX * camera.focalY)), 0};
@@ -63,13 +63,37 @@ double squareOf(const float* pixel) {
     return sum;
 }
 
-/// Room for the rays of a row of pixels.
-struct Row {
+/// From ray to ray, in voxels: a little more than one does no harm.
+constexpr double kLargestEdge = 1.25;
+/// Of a square: what pixels are apart if only every other one is taken, as the black fields of a board.
+const double kDiagonal = std::sqrt(2.0);
+
+constexpr int kTile = 16;  ///< rays: what a tile's see of a volume stays in the second cache
+
+/// Room for the rays of a square of pixels.
+struct Tile {
     std::vector<CompositeRay> rays;
     std::vector<RayShare> shares;
-    std::vector<int> columns;
+    std::vector<std::array<float, 4>> pixels;
     double missed = 0;
 };
+
+/// All tiles' rays, in the order of their axes.
+void gather(const std::vector<Tile>& tiles, PhotoRays& to) {
+    to.rays.clear();
+    to.shares.clear();
+    to.pixels.clear();
+    to.missed = 0;
+    for (const Tile& tile : tiles) to.missed += tile.missed;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const Tile& tile : tiles)
+            for (std::size_t i = 0; i < tile.rays.size(); ++i) {
+                if (tile.rays[i].axis != axis) continue;
+                to.rays.push_back(tile.rays[i]);
+                to.shares.push_back(tile.shares[i]);
+                to.pixels.push_back(tile.pixels[i]);
+            }
+}
 
 }  // namespace
 
@@ -86,42 +110,35 @@ std::vector<Photograph> picturesFor(const std::vector<Photograph>& photographs, 
 }
 
 void setRays(PhotoRays& to, const Photograph& picture, const ReconstructionGrid& grid, const CompositeLayout& layout,
-             int perSlice) {
+             int perSlice, int time) {
     const PhotoCamera& camera = picture.camera;
-    // A little larger than a voxel does no harm.
-    const int parts = std::max(1, int(std::ceil(pixelEdge(camera, grid) - 0.25)));
-    std::vector<Row> rows(std::size_t(camera.height) * std::size_t(parts));
+    const double edge = pixelEdge(camera, grid);
+    const int parts = std::max(1, int(std::ceil(edge / kLargestEdge)));
+    const bool half = edge * kDiagonal <= kLargestEdge;
+    const int width = camera.width * parts, height = camera.height * parts;
+    const int tilesAcross = (width + kTile - 1) / kTile, tilesDown = (height + kTile - 1) / kTile;
+    std::vector<Tile> tiles(std::size_t(tilesAcross) * std::size_t(tilesDown));
     const Vec3 first = grid.voxel(0, 0, 0);
-    parallelFor(rows.size(), [&](std::size_t y) {
-        Row& row = rows[y];
-        for (int x = 0; x < camera.width * parts; ++x) {
-            const Ray ray = pixelRay(camera, (x + 0.5) / parts, (double(y) + 0.5) / parts);
-            const CompositeRay line =
-                compositeRay(layout, {(ray.origin - first) / grid.spacing, ray.direction}, perSlice);
-            if (!meetsBricks(layout, line)) {
-                row.missed += squareOf(picture.matte.at(x / parts, int(y) / parts));
-                continue;
+    parallelFor(tiles.size(), [&](std::size_t n) {
+        const int left = int(n) % tilesAcross * kTile, top = int(n) / tilesAcross * kTile;
+        for (int y = top; y < std::min(top + kTile, height); ++y)
+            for (int x = left; x < std::min(left + kTile, width); ++x) {
+                if (half && ((x + y + time) & 1) != 0) continue;
+                const Ray ray = pixelRay(camera, (x + 0.5) / parts, (y + 0.5) / parts);
+                const CompositeRay line =
+                    compositeRay(layout, {(ray.origin - first) / grid.spacing, ray.direction}, perSlice);
+                const float* pixel = picture.matte.at(x / parts, y / parts);
+                if (meetsBricks(layout, line)) {
+                    tiles[n].rays.push_back(line);
+                    tiles[n].shares.push_back(shareOf(camera, ray, line, grid, half ? 1 / kDiagonal : parts));
+                    tiles[n].pixels.push_back({pixel[0], pixel[1], pixel[2], pixel[3]});
+                } else {
+                    tiles[n].missed += squareOf(pixel);
+                }
             }
-            row.rays.push_back(line);
-            row.shares.push_back(shareOf(camera, ray, line, grid, parts));
-            row.columns.push_back(x / parts);
-        }
     });
-    to.rays.clear();
-    to.shares.clear();
-    to.pixels.clear();
-    to.pictureRays = double(camera.width) * camera.height * parts * parts;
-    to.missed = 0;
-    for (const Row& row : rows) to.missed += row.missed;
-    for (int axis = 0; axis < 3; ++axis)
-        for (std::size_t y = 0; y < rows.size(); ++y)
-            for (std::size_t i = 0; i < rows[y].rays.size(); ++i) {
-                if (rows[y].rays[i].axis != axis) continue;
-                const float* pixel = picture.matte.at(rows[y].columns[i], int(y) / parts);
-                to.rays.push_back(rows[y].rays[i]);
-                to.shares.push_back(rows[y].shares[i]);
-                to.pixels.push_back({pixel[0], pixel[1], pixel[2], pixel[3]});
-            }
+    gather(tiles, to);
+    to.pictureRays = double(width) * height / (half ? 2 : 1);
 }
 
 Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light) {

@@ -36,10 +36,12 @@ struct PhotoRays {
     double missed = 0;                         ///< sum of squares of the pixels of the latter
 };
 
+/// Pixels larger than a voxel get several rays, so that no voxel is missed; of smaller ones every other has one, like
+/// the fields of one colour of a board, if these are close enough.
 /// @param perSlice samples from slice to slice, > 0
-/// Pixels larger than a voxel get several rays, so that no voxel is missed.
+/// @param time odd or even: which of these
 void setRays(PhotoRays& rays, const Photograph& picture, const ReconstructionGrid& grid, const CompositeLayout& layout,
-             int perSlice);
+             int perSlice, int time);
 
 /// Direction in which light travels that comes with the camera, as for the first photograph `light` is (render/rig.h).
 Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light);
