@@ -220,6 +220,9 @@ usage "--iterations: must be at least 1" views -o vol.vdb --iterations 0
 usage "--method" views -o vol.vdb --method art
 usage "--axes" views -o vol.vdb --axes maya
 usage "--light: needs --diffuse" views -o vol.vdb --light 0,0,-1
+usage "--diffuse: is for --method consistent and paper" views -o vol.vdb --method fit --diffuse 0.5
+usage "--relaxation: is for --method" views -o vol.vdb --method fit --relaxation 0.5
+usage "--ambient" views -o vol.vdb --ambient 1.5
 usage "--reduction 0" views -o vol.vdb --reduction 0
 usage "must end in .svg or .png" views -o vol.vdb --plot a.pdf
 cmp -s vol.vdb tri.vdb || fail "a usage error changed the output"
@@ -229,9 +232,11 @@ expect_no_leftovers .
 temple=$data/photos/temple
 colmap=$here/../data/temple_colmap
 if [ -d "$temple" ]; then
-    photo "$temple/templeSR_par.txt" -o temple.vdb --size 48 --reduction 4 --matting black --hold-out 8 --iterations 2
+    photo "$temple/templeSR_par.txt" -o temple.vdb --size 48 --reduction 4 --matting black --threshold 0.2 --hold-out 8 --iterations 2
     found temple
-    photo "$colmap" --images "$temple" -o temple.vdb --size 48 --reduction 4 --matting black --hold-out 6 --iterations 2
+    expect_exit 0 "$raysweep" photo "$temple/templeSR_par.txt" -o temple.vdb --size 24 --reduction 8 --matting black --iterations 1
+    expect_match "what was taken for the object reaches the picture's edge"
+    photo "$colmap" --images "$temple" -o temple.vdb --size 48 --reduction 4 --matting black --threshold 0.2 --hold-out 6 --iterations 2
     found colmap
 else
     echo "the temple's photographs are not on this machine: not tested with them"

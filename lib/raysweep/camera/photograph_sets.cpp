@@ -13,6 +13,8 @@
 namespace raysweep {
 namespace {
 
+constexpr double kMuchOfTheEdge = 0.02;  ///< of its pixels
+
 std::string nameOf(const Pose& pose) {
     for (const std::string* file : {&pose.image, &pose.onWhite, &pose.onBlack})
         if (!file->empty()) return *file;
@@ -76,6 +78,30 @@ bool readSet(const Poses& poses, const PhotographOptions& options, const Progres
     return photographs.complete;
 }
 
+/// Part of the pixels along the picture's edge that are the object's.
+double edgeCoverage(const Image& matte) {
+    double covered = 0, count = 0;
+    for (int y = 0; y < matte.height; ++y)
+        for (int x = 0; x < matte.width; x += y == 0 || y == matte.height - 1 ? 1 : std::max(1, matte.width - 1))
+            covered += matte.at(x, y)[3] > 0.5f, count += 1;
+    return covered / count;
+}
+
+/// A backdrop that was not told from the object mostly reaches the edges of pictures.
+void warnOfEdges(const PhotographSets& sets, std::vector<std::string>& warnings) {
+    using Matting = MattingOptions::Matting;
+    if (sets.matting != Matting::black && sets.matting != Matting::white && sets.matting != Matting::known) return;
+    const std::vector<Photograph>& views = sets.used.views;
+    const auto count = std::count_if(views.begin(), views.end(), [](const Photograph& photograph) {
+        return edgeCoverage(photograph.matte) > kMuchOfTheEdge;
+    });
+    if (2 * std::size_t(count) > views.size())
+        warnings.push_back(
+            "in " + std::to_string(count) + " of " + std::to_string(views.size()) +
+            " views what was taken for the object reaches the picture's edge: it may be backdrop; look at "
+            "the mattes, and at the threshold");
+}
+
 Poses readTestPoses(const PhotographSetOptions& options, CameraAxes axes) {
     if (options.test.empty()) return {};
     PoseOptions same = options.poses;
@@ -132,6 +158,7 @@ PhotographSets readPhotographSets(const std::string& input, const PhotographSetO
                     readSet(test, ofTest, progress, sets.test, sets.warnings);
     if (!sets.complete) sets.used = sets.heldOut = sets.test = {};
     sets.bounds = options.bounds || !sets.complete ? options.bounds : boundsFor(sets);
+    warnOfEdges(sets, sets.warnings);
     if (sets.poses.views.size() == 1)
         sets.warnings.push_back("there is one view only: nothing says how far away what it shows is");
     sets.seconds = timer.seconds();
