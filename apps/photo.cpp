@@ -65,24 +65,23 @@ ColorVolume readReference(const std::string& path) {
 /// The method, if none was asked for.
 void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
     if (!a.method.empty()) return;
+    const bool lit = a.findLight || a.shading.diffuse > 0;
     const bool parallel = sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
-    a.method = parallel ? "consistent" : "fit";
+    a.method = parallel || lit ? "consistent" : "fit";
     detail(a.common, "method " + a.method);
 }
 
 PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     PhotoOptions options;
     options.method = kMethods.at(a.method);
-    options.box = a.box;
+    options.box = a.box || a.reference.empty() ? sets.bounds : std::nullopt;
     options.resolution = a.size;
-    if (a.iterations) options.passes = *a.iterations;
-    options.relaxation = a.relaxation;
-    options.shading.diffuse = a.diffuse.value_or(0);
-    options.shading.ambient = a.ambient.value_or(std::max(0.0, 1 - options.shading.diffuse));
-    options.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
-    options.findLight = a.findLight;
+    if (a.iterations) options.fit.passes = options.sart.iterations = *a.iterations;
+    if (a.relaxation) options.sart.relaxation = *a.relaxation;
+    options.sart.light = {a.shading, !a.lampStands};
+    options.sart.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
+    options.searchLight = a.findLight;
     options.seed = a.common.seed;
-    if (!a.reference.empty()) options.reference = readReference(a.reference);
     return options;
 }
 
@@ -200,9 +199,12 @@ bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
     if (!outcome.sets.complete || TerminalProgress::interrupted()) return false;
     chooseMethod(a, outcome.sets);
     const PhotoOptions options = optionsFor(a, outcome.sets);
-    shading = options.shading;
+    shading = options.sart.light.shading;
+    std::optional<ColorVolume> reference;
+    if (!a.reference.empty()) reference = readReference(a.reference);
     TerminalProgress progress(a.common);
-    outcome.result = reconstructPhotographs(outcome.sets.used.views, options, progress.callback());
+    outcome.result = reconstructPhotographs(outcome.sets.used.views, options, reference ? &*reference : nullptr,
+                                            progress.callback());
     if (outcome.result.light) shading = outcome.result.light->shading;
     return !(isInterrupted(outcome.result) && outcome.result.density->empty());
 }

@@ -32,7 +32,7 @@ void addInputOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--axes", a.axes, "How cameras' axes lie: y up and z back, or y down and z ahead (default: INPUT's)")
         ->check(CLI::IsMember(kAxes).description(""))
         ->type_name("opengl|opencv");
-    app.add_option("--reduce", a.photographs.reduction, "Make pictures smaller by this factor")
+    app.add_option("--reduction", a.photographs.reduction, "Make pictures smaller by this factor")
         ->type_name("N")
         ->capture_default_str();
     app.add_option("--hold-out", a.holdOut, "Keep every K-th view from the reconstruction, to judge it by")
@@ -73,7 +73,8 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--relaxation", a.relaxation, "consistent, paper: part of each correction that is made");
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
-    app.add_option("--diffuse", a.diffuse, "Part of colours that is seen by Lambert's law (default: 0)");
+    app.add_option("--diffuse", a.shading.diffuse, "Part of colours that is seen by Lambert's law")
+        ->capture_default_str();
     app.add_option("--light", a.light,
                    "Direction in which light travels in the first view (default: along the view); auto: found")
         ->type_name("X,Y,Z|auto");
@@ -150,13 +151,18 @@ Box3 parseBounds(const std::string& text) {
     return Box3(Vec3(b[0], b[1], b[2]), Vec3(b[3], b[4], b[5]));
 }
 
-void completeLight(PhotoArguments& a) {
+void completeLight(PhotoArguments& a, const CLI::App& command) {
+    a.shading.ambient = a.ambient.value_or(std::max(0.0, 1 - a.shading.diffuse));
+    requireValid(command, [&] { a.shading.validate(); });
+    if (a.method == "fit" && (a.light == "auto" || a.shading.diffuse > 0))
+        usageError(a.light == "auto" ? "--light" : "--diffuse", "is for --method consistent and paper");
+    if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";
     if (!a.findLight) {
         a.lightInWorld = parseVec3(a.light, "--light");
         if (!(a.lightInWorld->length() > 0)) usageError("--light", "must not be 0,0,0");
-        if (!(a.diffuse.value_or(0) > 0)) usageError("--light", "needs --diffuse as well");
+        if (!(a.shading.diffuse > 0)) usageError("--light", "needs --diffuse as well");
     }
 }
 
@@ -178,7 +184,7 @@ void completeOptions(PhotoArguments& a, const CLI::App& command) {
     if (!a.bounds.empty()) a.box = parseBounds(a.bounds);
     if (a.size < 8 || a.size > 1024) usageError("--size", "must be from 8 to 1024");
     if (a.iterations && *a.iterations < 1) usageError("--iterations", "must be at least 1");
-    completeLight(a);
+    completeLight(a, command);
     if (!(a.backdrop >= 0 && a.backdrop <= 1)) usageError("--backdrop", "must be in [0,1]");
 }
 

@@ -5,6 +5,7 @@
 
 #include "raysweep/camera/photograph_files.h"
 #include "raysweep/camera/poses.h"
+#include "raysweep/render/shading.h"
 
 #include <optional>
 #include <string>
@@ -19,8 +20,9 @@ struct PhotoArguments {
     PhotographOptions photographs;
     bool mattingGiven = false;  ///< else it is chosen by what the pictures have
     int size = 128, holdOut = 0;
-    std::optional<int> iterations, harmonics;
-    std::optional<double> relaxation, ambient, diffuse;
+    std::optional<int> iterations;
+    std::optional<double> relaxation, ambient;
+    Shading shading;  ///< of the photographs, but for its direction
     std::optional<Box3> box;
     std::optional<Vec3> lightInWorld;  ///< in the first view
     bool findLight = false, lampStands = false, half = false;

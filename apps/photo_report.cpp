@@ -74,7 +74,7 @@ void addQuality(Json& json, const Judgement& judgement) {
 }
 
 void addHistory(Json& json, const PhotoReconstruction& result, bool compared) {
-    json["updates"] = result.history.empty() ? 0 : result.history.back().updates;
+    json["updates"] = result.updates;
     json["updates_history"] = historyOf(result, &PhotoPoint::updates);
     json["seconds_history"] = historyOf(result, &PhotoPoint::seconds);
     json["resolution_history"] = historyOf(result, &PhotoPoint::resolution);
@@ -93,7 +93,7 @@ void addLight(Json& json, const PhotoReconstruction& result) {
                      {"residual", light.residual},
                      {"residual_aside", light.aside},
                      {"residual_ambient", light.ambient},
-                     {"uncertain_degrees", light.uncertain}};
+                     {"confidence", light.confidence()}};
 }
 
 const char* nameOf(MattingOptions::Matting matting) {

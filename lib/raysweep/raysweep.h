@@ -10,6 +10,9 @@
 /// projector/joseph.h (what they meet), projector/project.h and projector/backproject.h (both ways), reconstruct/sart.h
 /// and reconstruct/fbp.h (the methods), reconstruct/reconstruct.h.
 ///
+/// Two calls make a volume of photographs: readPhotographSets(input, options), files to mattes and cameras, and
+/// reconstructPhotographs(photographs, options); judge(volume, photographs) says how well it shows them.
+///
 /// Quantities and units: docs/units.md.
 #pragma once
 
@@ -33,6 +36,7 @@
 #include "raysweep/phantoms/triangles.h"
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/fbp.h"
+#include "raysweep/reconstruct/photo.h"
 #include "raysweep/reconstruct/reconstruct.h"
 #include "raysweep/reconstruct/sart.h"
 #include "raysweep/render/lit_volume.h"

@@ -1,6 +1,7 @@
 # raysweep photo, end to end: volumes come back from their photographs, by every method and from every kind of matting;
 # what is in the report; what cannot be used is refused with a message and leaves outputs as they were.
-source "$(dirname "$0")/lib.sh" "$@"
+here=$(cd "$(dirname "$0")" && pwd)
+source "$here/lib.sh" "$@"
 
 # A small translucent thing, photographed from all around: with alpha, before white and black, and from elsewhere.
 "$raysweep" generate triangles -o tri.vdb --size 24 --count 12
@@ -106,8 +107,8 @@ def write(name, change, frames=None):
 write("one.json", lambda p: p.update(frames=p["frames"][:1]))
 write("none.json", lambda p: p.update(frames=[]))
 write("missing.json", lambda p: p["frames"][3].update(file_path="views/view_0099.png"))
-write("large.json", lambda p: p.update(w=97, h=48))
-write("fisheye.json", lambda p: p.update(camera_model="OPENCV_FISHEYE"))
+write("large.json", lambda p: p["frames"][2].update(w=97))
+write("fisheye.json", lambda p: p["frames"][2].update(camera_model="OPENCV_FISHEYE"))
 write("mirrored.json", lambda p: [row.__setitem__(0, -row[0]) for row in p["frames"][2]["transform_matrix"][:3]])
 pairs = json.load(open("pairs/transforms.json"))
 for frame in pairs["frames"]:
@@ -168,29 +169,29 @@ refused() {  # CODE TEXT OPTIONS...
     cmp -s vol.vdb tri.vdb || fail "an error changed the output: $*"
 }
 refused 1 "12 of 12 cameras look away from the object" away.json
-refused 1 "with OpenCV's axes (y down, z ahead) they look at it: give --axes opencv" views --axes opengl
 refused 1 "with OpenGL's axes (y up, z back) they look at it: give --axes opengl" views --axes opencv
 refused 1 "not all pictures have alpha" opaque
 expect_match "give --matting black or white"
 refused 1 "view_0003.png" opaque --matting alpha
 refused 1 "view_0003.png" narrow
 refused 1 "view_0003.png" large.json
-refused 1 "view_0003.tif" inks --matting black
-refused 1 "view_0003.png" cut
+refused 1 "view_0003.tif" inks --matting alpha
+expect_exit 1 "$raysweep" photo cut -o vol.vdb
+expect_match "cannot read 'cut/view_0003.png'"  # libpng has its own say before
 refused 1 "view_0099.png" missing.json
 refused 1 "no view shows the object" empty
 refused 1 "FISHEYE" fisheye.json
 refused 1 "frame" mirrored.json
 refused 1 "before a black backdrop" half_pair.json --matting white-black
 refused 1 "no mask is named" views --matting masks
-refused 1 "view_0001" views --matting masks:compared
-refused 1 "" none.json
+refused 1 "there is no picture" views --matting masks:pairs
+refused 1 "at least one frame" none.json
 refused 1 "every 13th view is to be held out" views --hold-out 13
-refused 1 "" words.txt
+refused 1 "not recognised" words.txt
 refused 1 "no such file" missing
-refused 1 "" tri.vdb
+refused 1 "it is no text" tri.vdb
 refused 1 "no such file" views --test nowhere.json
-refused 1 "" views --reference missing.vdb
+refused 1 "cannot read 'missing.vdb'" views --reference missing.vdb
 refused 1 "the folder 'no' does not exist" views --plot no/a.svg
 refused 1 "the folder 'no' does not exist" views --report no/a.json
 expect_exit 1 "$raysweep" photo views -o no/vol.vdb
@@ -219,18 +220,23 @@ usage "--iterations: must be at least 1" views -o vol.vdb --iterations 0
 usage "--method" views -o vol.vdb --method art
 usage "--axes" views -o vol.vdb --axes maya
 usage "--light: needs --diffuse" views -o vol.vdb --light 0,0,-1
-usage "--reduce 0" views -o vol.vdb --reduce 0
+usage "--diffuse: is for --method consistent and paper" views -o vol.vdb --method fit --diffuse 0.5
+usage "--relaxation: is for --method" views -o vol.vdb --method fit --relaxation 0.5
+usage "--ambient" views -o vol.vdb --ambient 1.5
+usage "--reduction 0" views -o vol.vdb --reduction 0
 usage "must end in .svg or .png" views -o vol.vdb --plot a.pdf
 cmp -s vol.vdb tri.vdb || fail "a usage error changed the output"
 expect_no_leftovers .
 
 # Real photographs: Middlebury's list, and the same by COLMAP.
 temple=$data/photos/temple
-colmap=$(cd "$(dirname "${BASH_SOURCE[0]}")/../data/temple_colmap" && pwd)
+colmap=$here/../data/temple_colmap
 if [ -d "$temple" ]; then
-    photo "$temple/templeSR_par.txt" -o temple.vdb --size 48 --reduce 4 --matting black --hold-out 8 --iterations 2
+    photo "$temple/templeSR_par.txt" -o temple.vdb --size 48 --reduction 4 --matting black --threshold 0.2 --hold-out 8 --iterations 2
     found temple
-    photo "$colmap" --images "$temple" -o temple.vdb --size 48 --reduce 4 --matting black --hold-out 6 --iterations 2
+    expect_exit 0 "$raysweep" photo "$temple/templeSR_par.txt" -o temple.vdb --size 24 --reduction 8 --matting black --iterations 1
+    expect_match "what was taken for the object reaches the picture's edge"
+    photo "$colmap" --images "$temple" -o temple.vdb --size 48 --reduction 4 --matting black --threshold 0.2 --hold-out 6 --iterations 2
     found colmap
 else
     echo "the temple's photographs are not on this machine: not tested with them"

@@ -1,6 +1,7 @@
 #include "raysweep/camera/photograph_sets.h"
 
 #include "raysweep/camera/matting_choice.h"
+#include "raysweep/camera/object_bounds.h"
 #include "raysweep/camera/pose_check.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/require.h"
@@ -11,6 +12,8 @@
 
 namespace raysweep {
 namespace {
+
+constexpr double kMuchOfTheEdge = 0.02;  ///< of its pixels
 
 std::string nameOf(const Pose& pose) {
     for (const std::string* file : {&pose.image, &pose.onWhite, &pose.onBlack})
@@ -75,11 +78,56 @@ bool readSet(const Poses& poses, const PhotographOptions& options, const Progres
     return photographs.complete;
 }
 
+/// Part of the pixels along the picture's edge that are the object's.
+double edgeCoverage(const Image& matte) {
+    double covered = 0, count = 0;
+    for (int y = 0; y < matte.height; ++y)
+        for (int x = 0; x < matte.width; x += y == 0 || y == matte.height - 1 ? 1 : std::max(1, matte.width - 1))
+            covered += matte.at(x, y)[3] > 0.5f, count += 1;
+    return covered / count;
+}
+
+/// A backdrop that was not told from the object mostly reaches the edges of pictures.
+void warnOfEdges(const PhotographSets& sets, std::vector<std::string>& warnings) {
+    using Matting = MattingOptions::Matting;
+    if (sets.matting != Matting::black && sets.matting != Matting::white && sets.matting != Matting::known) return;
+    const std::vector<Photograph>& views = sets.used.views;
+    const auto count = std::count_if(views.begin(), views.end(), [](const Photograph& photograph) {
+        return edgeCoverage(photograph.matte) > kMuchOfTheEdge;
+    });
+    if (2 * std::size_t(count) > views.size())
+        warnings.push_back(
+            "in " + std::to_string(count) + " of " + std::to_string(views.size()) +
+            " views what was taken for the object reaches the picture's edge: it may be backdrop; look at "
+            "the mattes, and at the threshold");
+}
+
 Poses readTestPoses(const PhotographSetOptions& options, CameraAxes axes) {
     if (options.test.empty()) return {};
     PoseOptions same = options.poses;
     if (same.axes) same.axes = axes;
     return readPoses(options.test, same);
+}
+
+/// None for views that all run one way, and for such that see no common place.
+std::optional<Box3> whereAllLook(const Poses& poses) {
+    try {
+        return estimatedBounds(poses);
+    } catch (const InvalidArgument&) {
+        return std::nullopt;
+    }
+}
+
+std::optional<Box3> boundsFor(const PhotographSets& sets) {
+    const std::optional<Box3> start = whereAllLook(sets.poses);
+    if (!start) return start;
+    const std::vector<MatteReport>& mattes = sets.used.mattes;
+    const auto isEmpty = [](const MatteReport& matte) { return matte.covered == 0; };
+    if (std::none_of(mattes.begin(), mattes.end(), isEmpty)) return boundsOf(sets.used.views, *start);
+    std::vector<Photograph> showing;
+    for (std::size_t n = 0; n < mattes.size(); ++n)
+        if (!isEmpty(mattes[n])) showing.push_back(sets.used.views[n]);
+    return boundsOf(showing, *start);
 }
 
 }  // namespace
@@ -109,6 +157,8 @@ PhotographSets readPhotographSets(const std::string& input, const PhotographSetO
                     readSet(parts.heldOut, photographs, progress, sets.heldOut, sets.warnings) &&
                     readSet(test, ofTest, progress, sets.test, sets.warnings);
     if (!sets.complete) sets.used = sets.heldOut = sets.test = {};
+    sets.bounds = options.bounds || !sets.complete ? options.bounds : boundsFor(sets);
+    warnOfEdges(sets, sets.warnings);
     if (sets.poses.views.size() == 1)
         sets.warnings.push_back("there is one view only: nothing says how far away what it shows is");
     sets.seconds = timer.seconds();

@@ -29,7 +29,9 @@ struct PhotographSet {
 
 struct PhotographSets {
     PhotographSet used, heldOut, test;
-    Poses poses;                                                       ///< of `used`, as the files say them
+    Poses poses;                 ///< of `used`, as the files say them
+    std::optional<Box3> bounds;  ///< of the object: the options', else what the silhouettes of `used` leave of
+                                 ///< estimatedBounds; none if that cannot be said
     MattingOptions::Matting matting = MattingOptions::Matting::alpha;  ///< the way that was taken
     std::vector<std::string> warnings;                                 ///< what is possible, but hardly meant
     double seconds = 0;

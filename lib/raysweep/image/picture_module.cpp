@@ -40,13 +40,19 @@ OIIO::TypeDesc formatOf(SampleType type) {
     return kFormats[int(type)];
 }
 
+/// Messages of several lines as one line.
+std::string oneLine(std::string text) {
+    for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) text.replace(at, 1, "; ");
+    return text;
+}
+
 class OiioFile : public PictureFile {
   public:
     OiioFile(const std::string& path, Alpha alpha) : path_(path) {
         OIIO::ImageSpec how;
         if (alpha == Alpha::asStored) how.attribute("oiio:UnassociatedAlpha", 1);
         input_ = OIIO::ImageInput::open(path, &how);
-        if (!input_) failToRead(path, OIIO::geterror() + kGivePicture);
+        if (!input_) failToRead(path, oneLine(OIIO::geterror()) + kGivePicture);
     }
 
     int pages() override {
@@ -85,7 +91,7 @@ class OiioFile : public PictureFile {
             failToRead(path_, "its colours are inks (CMYK); convert the picture to RGB first");
     }
 
-    [[noreturn]] void fail() const { failToRead(path_, input_->geterror()); }
+    [[noreturn]] void fail() const { failToRead(path_, oneLine(input_->geterror())); }
 
     std::string path_;
     std::unique_ptr<OIIO::ImageInput> input_;
@@ -97,7 +103,7 @@ std::unique_ptr<PictureFile> open(const std::string& path, Alpha alpha) {
 
 void write(const std::string& path, const std::string& temporary, const EncodedPicture& picture) {
     auto output = OIIO::ImageOutput::create(temporary);
-    if (!output) failToWrite(path, OIIO::geterror());
+    if (!output) failToWrite(path, oneLine(OIIO::geterror()));
     OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::UINT8);
     if (picture.channels == 1) spec.channelnames = {"Y"};
     // The bytes are sRGB with alpha apart already: nothing for OpenImageIO to convert.
@@ -105,7 +111,7 @@ void write(const std::string& path, const std::string& temporary, const EncodedP
     spec.attribute("oiio:UnassociatedAlpha", 1);
     if (!output->open(temporary, spec) || !output->write_image(OIIO::TypeDesc::UINT8, picture.bytes) ||
         !output->close())
-        failToWrite(path, output->geterror());
+        failToWrite(path, oneLine(output->geterror()));
 }
 
 }  // namespace

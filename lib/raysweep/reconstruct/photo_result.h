@@ -4,6 +4,7 @@
 #include "raysweep/render/shading.h"
 #include "raysweep/volume/grids.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -29,11 +30,17 @@ struct PhotoPoint {
 
 /// The light that photographs were found to be taken in.
 struct PhotoLight {
-    Shading shading;       ///< as for the first photograph
-    double residual = 0;   ///< RMS of what it leaves unexplained of the brightness of surfaces, relative
-    double aside = 0;      ///< the least that any light leaves whose direction is 30 degrees or more away
-    double ambient = 0;    ///< the same of ambient light alone
-    double uncertain = 0;  ///< degrees from the direction to the farthest that leaves hardly more (photo_light.h)
+    Shading shading;      ///< as for the first photograph; ambient and diffuse together are 1
+    double residual = 1;  ///< RMS of what it leaves unexplained of the brightness of surfaces, relative to that
+    double aside = 1;     ///< the least that any light leaves whose direction is 30 degrees or more away
+    double ambient = 1;   ///< what ambient light alone leaves
+
+    /// Of what light from somewhere explains better than ambient light, in squares, the part that needs this direction:
+    /// 1 if any other is as bad as none, 0 if another is as good.
+    double confidence() const {
+        const double best = residual * residual, most = ambient * ambient - best;
+        return most > 0 ? std::clamp((aside * aside - best) / most, 0.0, 1.0) : 0.0;
+    }
 };
 
 struct PhotoTimings {

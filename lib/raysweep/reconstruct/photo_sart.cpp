@@ -15,7 +15,9 @@
 #include <iomanip>
 #include <limits>
 #include <random>
+#include <optional>
 #include <sstream>
+#include <string>
 
 namespace raysweep {
 namespace {
@@ -43,30 +45,39 @@ CompositeVoxel matterOf(const CompositeVoxel& voxel) {
     return {opacity, opacity * voxel.red, opacity * voxel.green, opacity * voxel.blue};
 }
 
+/// Calls `body(voxel, extinction of its edge and colour)` for the active voxels of a volume that lie in the grid.
+template <class Body>
+void forVoxels(const ColorVolume& volume, const ReconstructionGrid& grid, const char* what, const Body& body) {
+    const auto shift = shiftTo(*volume.density, grid);
+    if (!shift)
+        throw InvalidArgument(std::string("the voxels of the ") + what +
+                              " volume are not where those of the reconstruction are: choose the grid such that they "
+                              "are, or resample it");
+    const openvdb::CoordBBox all(*shift, shift->offsetBy(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
+    const auto color = volume.color->getConstAccessor();
+    for (auto value = volume.density->cbeginValueOn(); value; ++value) {
+        openvdb::CoordBBox box = value.getBoundingBox();
+        box.intersect(all);
+        for (const openvdb::Coord& at : box) {
+            const openvdb::Vec3s c = color.getValue(at);
+            const openvdb::Coord to = at - *shift;
+            body(Index3(to.x(), to.y(), to.z()), CompositeVoxel{float(*value * grid.spacing), c[0], c[1], c[2]});
+        }
+    }
+}
+
 /// A reference, in the bricks of a layout.
 class Reference {
   public:
     Reference(const ColorVolume& volume, const ReconstructionGrid& grid, const CompositeLayout& layout)
         : layout_(layout), matter_(layout.voxelCount()), total_(double(grid.dims.x) * grid.dims.y * grid.dims.z) {
-        const auto shift = shiftTo(*volume.density, grid);
-        if (!shift)
-            throw InvalidArgument(
-                "the voxels of the reference are not where those of the reconstruction are: choose "
-                "the grid such that they are, or resample it");
-        const openvdb::CoordBBox box(*shift, shift->offsetBy(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
-        const float edge = float(grid.spacing);
-        const auto color = volume.color->getConstAccessor();
-        for (auto value = volume.density->cbeginValueOn(); value; ++value)
-            for (const openvdb::Coord& at : clipped(value.getBoundingBox(), box)) {
-                const openvdb::Vec3s c = color.getValue(at);
-                const CompositeVoxel matter = matterOf({*value * edge, c[0], c[1], c[2]});
-                const openvdb::Coord to = at - *shift;
-                const std::size_t i = layout.voxel(Index3(to.x(), to.y(), to.z()));
-                if (i >= 512)
-                    matter_[i] = matter;
-                else
-                    outside_ += squares(matter, {});
-            }
+        forVoxels(volume, grid, "reference", [&](const Index3& at, const CompositeVoxel& voxel) {
+            const std::size_t i = layout.voxel(at);
+            if (i >= 512)
+                matter_[i] = matterOf(voxel);
+            else
+                outside_ += squares(matterOf(voxel), {});
+        });
     }
 
     /// RMS difference over all voxels of the grid. @param matter of a voxel, by its index
@@ -83,11 +94,6 @@ class Reference {
     }
 
   private:
-    static openvdb::CoordBBox clipped(openvdb::CoordBBox box, const openvdb::CoordBBox& by) {
-        box.intersect(by);
-        return box;
-    }
-
     static Squares squares(const CompositeVoxel& a, const CompositeVoxel& b) {
         const double o = double(a.extinction) - b.extinction;
         const double red = double(a.red) - b.red, green = double(a.green) - b.green, blue = double(a.blue) - b.blue;
@@ -193,6 +199,15 @@ class PhotoSolver {
           shown_(additive_ || lit_ ? layout.voxelCount() : 0),
           normals_(options_.light.shading.diffuse > 0 ? layout.voxelCount() : 0) {
         step_ = {float(options_.relaxation), kLeastOpacity, kMostExtinction};
+    }
+
+    /// Those voxels that are kept.
+    void startFrom(const ColorVolume& initial) {
+        forVoxels(initial, grid_, "initial", [&](const Index3& at, const CompositeVoxel& voxel) {
+            const std::size_t i = layout_.voxel(at);
+            if (!isSet(layout_.masks[i >> 9], at.x & 7, at.y & 7, at.z & 7)) return;
+            volume_[i] = additive_ ? matterOf(voxel) : voxel;
+        });
     }
 
     void run(const Reference* reference, const ProgressCallback& progress) {
@@ -387,7 +402,7 @@ void PhotoSartOptions::validate() const {
 }
 
 PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
-                              const PhotoSartOptions& options, const ColorVolume* reference,
+                              const PhotoSartOptions& options, const PhotoVolumes& volumes,
                               const ProgressCallback& progress) {
     options.validate();
     grid.validate();
@@ -401,8 +416,9 @@ PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const 
         throw InvalidArgument("the photographs show nothing of the grid; check its place, mattes and poses");
     result.keptVoxels = layout.keptVoxels();
     std::optional<Reference> known;
-    if (reference) known.emplace(*reference, grid, layout);
+    if (volumes.reference) known.emplace(*volumes.reference, grid, layout);
     PhotoSolver solver({pictures, grid, options}, layout, result);
+    if (volumes.initial) solver.startFrom(*volumes.initial);
     solver.run(known ? &*known : nullptr, progress);
     addGrids(solver, layout, grid, result);
     result.timings.total = timer.seconds();

@@ -57,14 +57,19 @@ struct PhotoSartOptions {
     void validate() const;
 };
 
+/// What corrections start from and are compared with; both may be null. Their voxels must be where those of the grid
+/// are.
+struct PhotoVolumes {
+    const ColorVolume* initial = nullptr;    ///< starts from nothing without it
+    const ColorVolume* reference = nullptr;  ///< of which the history tells the RMS difference
+};
+
 /// Memory: 32 bytes for each voxel of a brick that is kept; with diffuse light 56; the paper's form 48 and 56; as much
 /// as the volume, 16, for the best so far; and the pictures. The same bits for any number of threads.
-/// @param reference of which the history tells the RMS difference; may be null; its voxels must be where those of
-/// `grid` are
 /// @throw InvalidArgument for options out of bounds, photographs without alpha, cameras of other sizes than their
-/// pictures, photographs that show nothing of the grid, and references on other voxels.
+/// pictures, photographs that show nothing of the grid, and volumes on other voxels.
 PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
-                              const PhotoSartOptions& options, const ColorVolume* reference = nullptr,
+                              const PhotoSartOptions& options, const PhotoVolumes& volumes = {},
                               const ProgressCallback& progress = {});
 
 }  // namespace raysweep

@@ -56,22 +56,22 @@ TEST(TempleColmap, AgreesWithTheMeasuredCameras) {
     const auto pairs = common(colmap, measured);
     ASSERT_EQ(pairs.size(), 13u);
 
-    double ratios = 0, worstRatio = 0, worstAngle = 0;
-    int count = 0;
-    const auto ratio = [&](std::size_t a, std::size_t b) {
-        return (pairs[a].first.position - pairs[b].first.position).length() /
-               (pairs[a].second.position - pairs[b].second.position).length();
-    };
-    for (std::size_t a = 0; a < pairs.size(); ++a)
-        for (std::size_t b = a + 1; b < pairs.size(); ++b, ++count) ratios += ratio(a, b);
+    // Two of the views were taken from one place, as the turntable turned: such pairs have no ratio of distances.
+    std::vector<std::pair<double, double>> distances;
+    double worstAngle = 0;
     for (std::size_t a = 0; a < pairs.size(); ++a)
         for (std::size_t b = a + 1; b < pairs.size(); ++b) {
-            test::raiseTo(worstRatio, std::abs(ratio(a, b) * count / ratios - 1));
+            const double known = (pairs[a].second.position - pairs[b].second.position).length();
+            if (known > 0.1)
+                distances.emplace_back((pairs[a].first.position - pairs[b].first.position).length(), known);
             test::raiseTo(worstAngle, std::abs(angleBetween(pairs[a].first, pairs[b].first) -
                                                angleBetween(pairs[a].second, pairs[b].second)));
         }
-    EXPECT_LE(worstRatio, 1);
-    EXPECT_LE(worstAngle, 0);
+    double scale = 0, worstRatio = 0;
+    for (const auto& [found, known] : distances) scale += found / known / double(distances.size());
+    for (const auto& [found, known] : distances) test::raiseTo(worstRatio, std::abs(found / known / scale - 1));
+    EXPECT_LE(worstRatio, 0.017);   // found: 0.0155
+    EXPECT_LE(worstAngle, 0.0154);  // found: 0.0141; bundle adjustment of 13 views and a lens of its own
     for (const auto& [found, known] : pairs) EXPECT_NEAR(found.focalX / known.focalX, 1, 0.01);
 }
 
