@@ -4,7 +4,6 @@
 #include "raysweep/render/shading.h"
 #include "raysweep/volume/grids.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -30,17 +29,12 @@ struct PhotoPoint {
 
 /// The light that photographs were found to be taken in.
 struct PhotoLight {
-    Shading shading;      ///< as for the first photograph; ambient and diffuse together are 1
-    double residual = 1;  ///< RMS of what it leaves unexplained of the brightness of surfaces, relative to that
-    double aside = 1;     ///< the least that any light leaves whose direction is 30 degrees or more away
-    double ambient = 1;   ///< what ambient light alone leaves
-
-    /// Of what light from somewhere explains better than ambient light, in squares, the part that needs this direction:
-    /// 1 if any other is as bad as none, 0 if another is as good.
-    double confidence() const {
-        const double best = residual * residual, most = ambient * ambient - best;
-        return most > 0 ? std::clamp((aside * aside - best) / most, 0.0, 1.0) : 0.0;
-    }
+    Shading shading;        ///< as for the first photograph; ambient and diffuse together are 1
+    double residual = 0;    ///< RMS of what it leaves of the brightness of the pictures, relative to that
+    double aside = 0;       ///< the least that a light leaves whose direction is 30 degrees away
+    double ambient = 0;     ///< what ambient light alone leaves
+    double confidence = 0;  ///< of what ambient light leaves, in squares, the part that the direction explains, were
+                            ///< all as telling as the least telling one; in [0,1]
 };
 
 struct PhotoTimings {

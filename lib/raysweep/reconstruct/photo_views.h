@@ -43,6 +43,11 @@ struct PhotoRays {
 void setRays(PhotoRays& rays, const Photograph& picture, const ReconstructionGrid& grid, const CompositeLayout& layout,
              int perSlice, int time);
 
+/// Gives the samples of a ray the shortest change of colours that brings it by `missing` nearer to a pixel: by their
+/// visibility v_s (composite.h, eq. 2), v_s / Σ v², times the ray's share. Extinction is given nothing.
+void correctColors(const RayShare& share, const RaySamples& samples, const std::array<float, 3>& missing,
+                   CompositeVoxel* values);
+
 /// Direction in which light travels that comes with the camera, as for the first photograph `light` is (render/rig.h).
 Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light);
 
