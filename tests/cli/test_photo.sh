@@ -31,9 +31,9 @@ by() {  # METHOD PSNR-OF-USED PSNR-OF-HELD-OUT OPTIONS...
     done
     expect_json report.json "sum(v['set'] == 'held-out' for v in r['view_list']) == 3 and all(v['psnr'] > 10 and v['matte']['covered'] > 0 for v in r['view_list'])"
 }
-by fit 0 0
-by consistent 0 0
-by paper 0 0
+by fit 55.7 54.1         # found: 56.6, 55.0
+by consistent 46.8 44.6  # found: 47.6, 45.4
+by paper 38.2 35.7       # found: 39.1, 36.6
 
 # The default is by what took the pictures.
 photo parallel -o vol.vdb "${small[@]}" --iterations 1
@@ -70,7 +70,7 @@ expect_json report.json "abs(r['psnr_held_out'] - sum(v['psnr'] for v in r['view
 
 # Pairs give what alpha gives, but for the rounding of two pictures to 8 bits; --config says the same as options.
 photo pairs -o pairs.vdb "${small[@]}" --hold-out 4
-expect_json report.json "r['matting'] == 'white-black' and r['psnr_held_out'] > 0"
+expect_json report.json "r['matting'] == 'white-black' and r['psnr_held_out'] > 53.3"  # found: 54.1; alpha as 8 bits gives 55.0
 found pairs
 printf 'size = 24\nbounds = [-1, -1, -1, 1, 1, 1]\nhold-out = 4\nmatting = "white-black"\n' >photo.toml
 photo pairs -o vol.vdb --config photo.toml --threads 1
@@ -234,10 +234,12 @@ colmap=$here/../data/temple_colmap
 if [ -d "$temple" ]; then
     photo "$temple/templeSR_par.txt" -o temple.vdb --size 48 --reduction 4 --matting black --threshold 0.2 --hold-out 8 --iterations 2
     found temple
+    expect_json report.json "r['psnr_train'] > 23.2 and r['psnr_held_out'] > 22.6"  # found: 24.0, 23.4
     expect_exit 0 "$raysweep" photo "$temple/templeSR_par.txt" -o temple.vdb --size 24 --reduction 8 --matting black --iterations 1
     expect_match "what was taken for the object reaches the picture's edge"
     photo "$colmap" --images "$temple" -o temple.vdb --size 48 --reduction 4 --matting black --threshold 0.2 --hold-out 6 --iterations 2
     found colmap
+    expect_json report.json "r['psnr_train'] > 23.3 and r['psnr_held_out'] > 22.1"  # found: 24.1, 22.9
 else
     echo "the temple's photographs are not on this machine: not tested with them"
 fi

@@ -16,6 +16,9 @@ using openvdb::Coord;
 
 constexpr int kBrick = 8;  ///< along an edge of the grid there is a whole number of them
 
+/// fit: small sets get smaller updates, such that there are so many in a pass; derivatives of fewer rays are noise.
+constexpr int kFewestUpdates = 64, kFewestRays = 512;
+
 int wholeBricks(double voxels) {
     return std::max(1, int(std::ceil(voxels / kBrick - 1e-6))) * kBrick;
 }
@@ -115,6 +118,12 @@ void compare(const ColorVolume& reference, const ReconstructionGrid& grid, Photo
     result.history.back().color = std::sqrt(sum.color / voxels);
 }
 
+double pixelCount(const std::vector<Photograph>& photographs) {
+    double count = 0;
+    for (const Photograph& photograph : photographs) count += double(photograph.matte.width) * photograph.matte.height;
+    return count;
+}
+
 PhotoReconstruction byFit(const std::vector<Photograph>& photographs, const PhotoOptions& options,
                           const ReconstructionGrid& grid, const ColorVolume* reference,
                           const ProgressCallback& progress) {
@@ -122,6 +131,8 @@ PhotoReconstruction byFit(const std::vector<Photograph>& photographs, const Phot
     fit.box = boxOf(grid);
     fit.resolution = std::max({grid.dims.x, grid.dims.y, grid.dims.z});
     fit.seed = options.seed;
+    fit.raysPerUpdate = int(
+        std::min<double>(fit.raysPerUpdate, std::max<double>(kFewestRays, pixelCount(photographs) / kFewestUpdates)));
     PhotoFitResult found = fitPhotographs(photographs, fit, progress);
     PhotoReconstruction result;
     result.density = found.density;
