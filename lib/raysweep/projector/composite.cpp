@@ -15,6 +15,7 @@
 #include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raysweep/projector/composite.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -180,6 +181,19 @@ class Sampler {
             hn::Store(cell, kWhole, to.cell + i);
             hn::Store(brick, kWhole, to.brick + i);
             hn::Store(within, kWhole, to.within + i);
+        }
+    }
+
+    /// Asks for the voxels of places to come.
+    HWY_INLINE void prefetch(const CompositeVoxel* voxels, const Places& at, int count) const {
+        for (int i = 0; i < count; ++i) {
+            const CompositeVoxel* p = voxels + ((std::size_t(table_[at.brick[i]]) << 9) + std::size_t(at.within[i]));
+            hwy::Prefetch(p);
+            hwy::Prefetch(p + Step::first);
+            if (kAxis == 2) {
+                hwy::Prefetch(p + Step::second);
+                hwy::Prefetch(p + Step::first + Step::second);
+            }
         }
     }
 
@@ -385,6 +399,7 @@ std::size_t compositeOne(const CompositeLayout& layout, const CompositeVoxel* HW
         for (int i = 0; i < kChunk; ++i) numbers[i] = float(k + i);
         sampler.locate(ray, numbers, places);
         const int most = std::min(kChunk, ray.count - k);
+        sampler.prefetch(voxels, places, most);
         int count = 0;
         do {
             storeFour(sampleAt<kAxis>(sampler, table, voxels, places, count),

@@ -55,14 +55,15 @@ struct Level {
     std::vector<AdamMoments> moments;
 };
 
-/// All pixels of all pictures, numbered.
+/// All pixels of all pictures, numbered picture after picture in tiles of 4x4, and these in blocks of 2x2.
 class Pixels {
   public:
     explicit Pixels(const std::vector<Photograph>& photographs) : photographs_(photographs) {
         std::uint64_t total = 0;
         for (const Photograph& photograph : photographs) {
             firsts_.push_back(std::uint32_t(total));
-            total += std::uint64_t(photograph.matte.width) * std::uint64_t(photograph.matte.height);
+            total += std::uint64_t(tilesAlong(photograph.matte.width)) *
+                     std::uint64_t(tilesAlong(photograph.matte.height)) * 16;
         }
         requireField(total < (std::uint64_t(1) << 32), "pixels", total, "fewer than 2^32 in all pictures; reduce them");
         count_ = std::uint32_t(total);
@@ -73,12 +74,15 @@ class Pixels {
     struct Place {
         const Photograph* photograph;
         int view, x, y;
+        bool isInside() const { return x < photograph->matte.width && y < photograph->matte.height; }
     };
     Place place(std::uint32_t pixel) const {
         const auto view = std::upper_bound(firsts_.begin(), firsts_.end(), pixel) - firsts_.begin() - 1;
         const Photograph& photograph = photographs_[std::size_t(view)];
-        const int number = int(pixel - firsts_[std::size_t(view)]), width = photograph.matte.width;
-        return {&photograph, int(view), number % width, number / width};
+        const int number = int(pixel - firsts_[std::size_t(view)]), tile = number >> 4;
+        const int across = tilesAlong(photograph.matte.width);
+        return {&photograph, int(view), tile % across * 4 + (number & 1) + (number >> 1 & 2),
+                tile / across * 4 + (number >> 1 & 1) + (number >> 2 & 2)};
     }
 
     CompositeRay ray(std::uint32_t pixel, const Level& level, int perSlice) const {
@@ -94,6 +98,8 @@ class Pixels {
     }
 
   private:
+    static int tilesAlong(int pixels) { return (pixels + 3) / 4; }
+
     const std::vector<Photograph>& photographs_;
     std::vector<std::uint32_t> firsts_;
     std::uint32_t count_ = 0;
@@ -121,6 +127,7 @@ PixelSets pixelsMeeting(const Pixels& pixels, const Level& level, const PhotoFit
     parallelFor(parts.size(), [&](std::size_t n) {
         const std::uint32_t first = std::uint32_t(n) * kTogether;
         for (std::uint32_t p = first; p < std::min(pixels.count(), first + kTogether); ++p) {
+            if (!pixels.place(p).isInside()) continue;
             if (!meetsBricks(level.layout, pixels.ray(p, level, options.samplesPerSlice))) continue;
             (isLeftOut(pixels.place(p), options) ? parts[n].leftOut : parts[n].fitted).push_back(p);
         }
@@ -133,8 +140,18 @@ PixelSets pixelsMeeting(const Pixels& pixels, const Level& level, const PhotoFit
     return all;
 }
 
-void shuffle(std::vector<std::uint32_t>& pixels, std::mt19937& random) {
-    for (std::size_t i = pixels.size(); i > 1; --i) std::swap(pixels[i - 1], pixels[random() % i]);
+/// Shuffles pixels, those of a block staying together.
+std::vector<std::uint32_t> shuffled(const std::vector<std::uint32_t>& pixels, int bits, std::mt19937& random) {
+    std::vector<std::uint32_t> starts;
+    for (std::size_t i = 0; i < pixels.size(); ++i)
+        if (i == 0 || pixels[i] >> bits != pixels[i - 1] >> bits) starts.push_back(std::uint32_t(i));
+    for (std::size_t i = starts.size(); i > 1; --i) std::swap(starts[i - 1], starts[random() % i]);
+    std::vector<std::uint32_t> to;
+    to.reserve(pixels.size());
+    for (const std::uint32_t start : starts)
+        for (std::size_t i = start; i < pixels.size() && pixels[i] >> bits == pixels[start] >> bits; ++i)
+            to.push_back(pixels[i]);
+    return to;
 }
 
 /// Rays of some pixels, in the order of their axes, and what they should see.
@@ -306,7 +323,7 @@ class LevelFit {
         const int updates = std::max(1, int(std::lround(passes * double(perPass))));
         bool goesOn = true;
         for (int n = 0; n < updates && goesOn; ++n) {
-            if (std::size_t(n) % perPass == 0) shuffle(sets_.fitted, random_);
+            if (std::size_t(n) % perPass == 0) order_ = shuffled(sets_.fitted, options_.blockBits, random_);
             update(n, double(n) / updates, std::size_t(n) % perPass);
             if (std::size_t(n) % perPass == perPass - 1 || n == updates - 1) addPoint();
             goesOn = report(progress, "fitting " + std::to_string(level_.grid.dims.x),
@@ -320,7 +337,7 @@ class LevelFit {
     void update(int number, double done, std::size_t piece) {
         const std::size_t together = std::size_t(options_.raysPerUpdate), first = piece * together;
         const std::size_t count = std::min(together, sets_.fitted.size() - first);
-        batch_.set(pixels_, sets_.fitted.data() + first, count, level_, options_.samplesPerSlice);
+        batch_.set(pixels_, order_.data() + first, count, level_, options_.samplesPerSlice);
         const Backdrops backdrops{float(options_.backdrop), float(options_.backdropSpread)};
         compositeGradient(
             level_.layout, level_.voxels.data(), batch_.rays,
@@ -390,6 +407,7 @@ class LevelFit {
     const Timer& timer_;
     PhotoFitResult& result_;
     PixelSets sets_;
+    std::vector<std::uint32_t> order_;  ///< of the fitted pixels in this pass
     std::mt19937 random_;
     std::size_t kept_;
     Batch batch_;

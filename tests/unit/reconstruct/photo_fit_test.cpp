@@ -1,0 +1,327 @@
+#include "raysweep/reconstruct/photo_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/image/image_io.h"
+#include "raysweep/reconstruct/photo_hull.h"
+#include "raysweep/reconstruct/photo_loss.h"
+#include "raysweep/reconstruct/voxel_fit.h"
+#include "unit/instruction_sets.h"
+
+using namespace raysweep;
+
+namespace {
+
+/// A ball of even extinction and colour: what a ray sees of it follows from the length of its chord.
+struct Ball {
+    Vec3 center{0.1, -0.05, 0.08};
+    double radius = 0.6;
+    double extinction = 3;  ///< 1/world unit
+    Color color{0.6f, 0.3f, 0.1f};
+
+    double chord(const Ray& ray) const {
+        const Vec3 from = ray.origin - center;
+        const double b = from.dot(ray.direction), inside = b * b - (from.dot(from) - radius * radius);
+        return inside > 0 ? 2 * std::sqrt(inside) : 0;
+    }
+};
+
+/// Seen from `position`, the world's origin in the middle; pixels are means of 3x3 rays.
+Photograph photographOf(const Ball& ball, const Vec3& position, int size) {
+    Camera camera;
+    camera.eye = position;
+    camera.fov = 40;
+    camera.width = camera.height = size;
+    Photograph photograph{"ball", photoCamera(camera), Image(size, size, 4)};
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            for (int i = 0; i < 9; ++i) {
+                const Ray ray = pixelRay(photograph.camera, x + (i % 3 + 0.5) / 3, y + (i / 3 + 0.5) / 3);
+                const float alpha = float(1 - std::exp(-ball.extinction * ball.chord(ray))) / 9;
+                float* pixel = photograph.matte.at(x, y);
+                for (int c = 0; c < 3; ++c) pixel[c] += alpha * ball.color[c];
+                pixel[3] += alpha;
+            }
+    return photograph;
+}
+
+/// Evenly around the ball (a Fibonacci lattice), at distance 3.
+std::vector<Photograph> photographsOf(const Ball& ball, int count, int size) {
+    std::vector<Photograph> all;
+    for (int n = 0; n < count; ++n) {
+        const double z = 1 - (2 * n + 1.0) / count, r = std::sqrt(1 - z * z), angle = 2.399963 * n;
+        all.push_back(photographOf(ball, Vec3(r * std::cos(angle), r * std::sin(angle), z) * 3.0, size));
+    }
+    return all;
+}
+
+PhotoFitOptions smallFit() {
+    PhotoFitOptions options;
+    options.resolution = 16;
+    options.levels = 1;
+    options.passes = 30;
+    options.raysPerUpdate = 2048;
+    options.box = Box3(Vec3(-1), Vec3(1));
+    return options;
+}
+
+VoxelMask fullMask() {
+    VoxelMask mask;
+    mask.fill(~std::uint64_t(0));
+    return mask;
+}
+
+CompositeVoxel randomVoxel(std::mt19937& random, float low, float high) {
+    std::uniform_real_distribution<float> uniform(low, high);
+    return {uniform(random), uniform(random), uniform(random), uniform(random)};
+}
+
+}  // namespace
+
+// E of photo_fit.h (1) in double, from the curve itself, with central differences: the table's slope is that of its
+// chords, which differ from the curve's by up to 2 % at its darkest bend and 1e-4 elsewhere; colours here are brighter.
+TEST(PhotoLoss, DerivativeLikeDifferences) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> uniform(0.05f, 0.9f);
+    const Backdrops backdrops{0.5f, 0.1f};
+    for (int n = 0; n < 100; ++n) {
+        float pixel[4] = {0, 0, 0, uniform(random)};
+        for (int c = 0; c < 3; ++c) pixel[c] = pixel[3] * uniform(random);
+        const PixelTarget target = pixelTarget(pixel);
+        double seen[4] = {uniform(random), 0, 0, 0};  // transmittance, red, green, blue
+        for (int c = 1; c < 4; ++c) seen[c] = (1 - seen[0]) * uniform(random);
+        const auto loss = [&](const double* s) {
+            const double alpha = 1 - s[0], alphaError = alpha - pixel[3];
+            double sum = 3 * backdrops.variance * alphaError * alphaError;
+            for (int c = 0; c < 3; ++c) {
+                const auto encode = [](double x) { return 1.055 * std::pow(x, 1 / 2.4) - 0.055; };
+                const double error = encode(s[c + 1] / alpha) * alpha - encode(double(pixel[c]) / pixel[3]) * pixel[3] -
+                                     backdrops.mean * alphaError;
+                sum += error * error;
+            }
+            return sum;
+        };
+        const RayColor color{float(seen[0]), float(seen[1]), float(seen[2]), float(seen[3])};
+        RayColor derivative;
+        pixelLoss(target, color, backdrops, derivative);
+        for (int i = 0; i < 4; ++i) {
+            double more[4], less[4];
+            std::copy_n(seen, 4, more);
+            std::copy_n(seen, 4, less);
+            more[i] += 1e-5;
+            less[i] -= 1e-5;
+            const double expected = (loss(more) - loss(less)) / 2e-5;
+            EXPECT_NEAR((&derivative.transmittance)[i], expected, 2e-3 * std::max(0.1, std::abs(expected)))
+                << n << " " << i;
+        }
+    }
+}
+
+TEST(PhotoLoss, NothingWhereTheyAgree) {
+    const float pixel[4] = {0.2f, 0.1f, 0.05f, 0.5f};
+    RayColor derivative;
+    EXPECT_NEAR(pixelLoss(pixelTarget(pixel), {0.5f, 0.2f, 0.1f, 0.05f}, {}, derivative), 0, 1e-12);
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR((&derivative.transmittance)[i], 0, 1e-6);
+}
+
+// What sees nothing and should has a finite slope: extinction must be able to grow from nothing.
+TEST(PhotoLoss, FiniteWhereNothingIsSeen) {
+    const float pixel[4] = {0.2f, 0.1f, 0.05f, 0.5f};
+    RayColor derivative;
+    pixelLoss(pixelTarget(pixel), {1, 0, 0, 0}, {}, derivative);
+    for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::isfinite((&derivative.transmittance)[i]));
+    EXPECT_GT(derivative.transmittance, 0);
+}
+
+// Against Adam as its paper writes it, in double. Three steps; voxels that are not kept, or have no derivative, stay.
+TEST(VoxelFit, StepLikeItsPlainTwin) {
+    test::forEachInstructionSet([&] {
+        std::mt19937 random(2);
+        std::vector<CompositeVoxel> voxels(512), gradient(512);
+        std::vector<AdamMoments> moments(512);
+        std::vector<std::array<double, 12>> twin(512);  // values (roots of colours), means, means of squares
+        for (int i = 0; i < 512; ++i) {
+            voxels[std::size_t(i)] = randomVoxel(random, 0.2f, 0.8f);
+            for (int c = 0; c < 4; ++c) {
+                const double value = (&voxels[std::size_t(i)].extinction)[c];
+                twin[std::size_t(i)][std::size_t(c)] = c == 0 ? value : std::sqrt(value);
+            }
+        }
+        VoxelMask mask = fullMask();
+        mask[3] = 0xff00ff00ff00ff00u;
+        AdamStep step;
+        for (int update = 1; update <= 3; ++update) {
+            step.extinctionRate = 0.05f;
+            step.colorRate = 0.02f;
+            step.correction1 = float(1 / (1 - std::pow(0.9, update)));
+            step.correction2 = float(1 / (1 - std::pow(0.99, update)));
+            for (int i = 0; i < 512; ++i) {
+                gradient[std::size_t(i)] = i % 5 == 0 ? CompositeVoxel{} : randomVoxel(random, -1, 1);
+                if (i % 5 == 0 || !isSet(mask, i >> 6, i >> 3 & 7, i & 7)) continue;
+                auto& t = twin[std::size_t(i)];
+                for (std::size_t c = 0; c < 4; ++c) {
+                    const double slope = (&gradient[std::size_t(i)].extinction)[c] * (c == 0 ? 1 : 2 * t[c]);
+                    t[4 + c] = 0.9 * t[4 + c] + 0.1 * slope;
+                    t[8 + c] = 0.99 * t[8 + c] + 0.01 * slope * slope;
+                    t[c] -=
+                        (c == 0 ? 0.05 : 0.02) * t[4 + c] * step.correction1 / std::sqrt(t[8 + c] * step.correction2);
+                    t[c] = std::clamp(t[c], c == 0 ? 0.0 : 0.02, c == 0 ? 100.0 : 1.0);
+                }
+            }
+            stepBrick(voxels.data(), gradient.data(), moments.data(), mask, step);
+        }
+        for (int i = 0; i < 512; ++i)
+            for (std::size_t c = 0; c < 4; ++c) {
+                const double value = twin[std::size_t(i)][c];
+                // Roots and squares in float, three times.
+                EXPECT_NEAR((&voxels[std::size_t(i)].extinction)[c], c == 0 ? value : value * value, 3e-6)
+                    << i << " " << c;
+                EXPECT_EQ((&gradient[std::size_t(i)].extinction)[c], 0);
+            }
+    });
+}
+
+// Smoothness adds the derivative of what SmoothWeights says, by central differences over pairs within two bricks.
+TEST(VoxelFit, SmoothnessLikeDifferences) {
+    const CompositeLayout layout = compositeLayout({16, 8, 8}, {{{0, 0, 0}, fullMask()}, {{8, 0, 0}, fullMask()}});
+    std::mt19937 random(3);
+    std::vector<CompositeVoxel> voxels(layout.voxelCount());
+    for (std::size_t i = 512; i < voxels.size(); ++i) voxels[i] = randomVoxel(random, 0.1f, 0.9f);
+    SmoothWeights weights;
+    weights.extinction = 0.3f;
+    weights.color = 0.7f;
+    weights.sparsity = 0.2f;
+    const auto value = [&](const std::vector<CompositeVoxel>& v, const Index3& at, int c) {
+        const double x = (&v[layout.voxel(at)].extinction)[c];
+        return c == 0 ? x : std::sqrt(x);
+    };
+    const auto around = [&](const std::vector<CompositeVoxel>& v, const Index3& at, int c) {
+        const double scale = c == 0 ? weights.extinctionScale : weights.colorScale;
+        double sum = 0;
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int to : {-1, 1}) {
+                Index3 next = at;
+                next[axis] += to;
+                if (next[axis] < 0 || next[axis] >= layout.dims[axis]) continue;
+                sum += std::hypot(value(v, at, c) - value(v, next, c), scale);
+            }
+        sum *= c == 0 ? weights.extinction : weights.color;
+        if (c == 0) sum += weights.sparsity * std::log(1 + 2 * std::pow(value(v, at, 0), 2));
+        return sum;
+    };
+    test::forEachInstructionSet([&] {
+        std::vector<CompositeVoxel> gradient(voxels.size());
+        for (std::size_t b = 1; b < layout.brickCount(); ++b)
+            smoothBrick(layout, voxels.data(), b, weights, gradient.data() + b * 512);
+        for (int x = 0; x < 16; ++x)
+            for (int n = 0; n < 8; ++n)
+                for (int c = 0; c < 4; ++c) {
+                    const Index3 at(x, (3 * n + x) % 8, n);
+                    std::vector<CompositeVoxel> more = voxels, less = voxels;
+                    (&more[layout.voxel(at)].extinction)[c] += 1e-3f;
+                    (&less[layout.voxel(at)].extinction)[c] -= 1e-3f;
+                    const double expected = (around(more, at, c) - around(less, at, c)) / 2e-3;
+                    EXPECT_NEAR((&gradient[layout.voxel(at)].extinction)[c], expected,
+                                2e-3 * std::max(1.0, std::abs(expected)));
+                }
+    });
+}
+
+// The hull holds all of the ball, and of the corners nothing: twelve cones around a ball hold little more than the
+// ball.
+TEST(PhotoHull, HoldsTheBall) {
+    const Ball ball;
+    const std::vector<Photograph> photographs = photographsOf(ball, 12, 64);
+    ReconstructionGrid grid;
+    grid.dims = Index3(32);
+    grid.spacing = 2.0 / 32;
+    const CompositeLayout layout = compositeLayout(grid.dims, photoHull(photographs, grid, 0.001f));
+    double inside = 0;
+    for (int x = 0; x < 32; ++x)
+        for (int y = 0; y < 32; ++y)
+            for (int z = 0; z < 32; ++z) {
+                const std::size_t i = layout.voxel({x, y, z});
+                const bool kept = isSet(layout.masks[i >> 9], int(i >> 6 & 7), int(i >> 3 & 7), int(i & 7));
+                const double distance = (grid.voxel(x, y, z) - ball.center).length();
+                if (distance < ball.radius + grid.spacing) EXPECT_TRUE(kept) << distance;
+                inside += kept;
+            }
+    const double volume = 4.0 / 3 * kPi * std::pow(ball.radius / grid.spacing, 3);
+    EXPECT_LT(inside, 2.2 * volume);
+    const Box3 box = photographedBox(photographs, 0.001f);
+    for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_LE(box.min[axis], ball.center[axis] - ball.radius);
+        EXPECT_GE(box.max[axis], ball.center[axis] + ball.radius);
+        EXPECT_LT(box.max[axis] - box.min[axis], 2 * ball.radius * 1.5);
+    }
+}
+
+TEST(PhotoFit, BallFromTwelveViews) {
+    const Ball ball;
+    const PhotoFitResult result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
+    EXPECT_EQ(result.termination, PhotoFitTermination::passes);
+    ASSERT_FALSE(result.history.empty());
+    EXPECT_GT(result.history.back().leftOut, 34);
+    double mass = 0, inside = 0, count = 0, color = 0;
+    for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
+        const openvdb::Vec3d at = result.density->indexToWorld(voxel.getCoord());
+        mass += *voxel;
+        if ((Vec3(at[0], at[1], at[2]) - ball.center).length() > 0.7 * ball.radius) continue;
+        inside += *voxel;
+        color += result.color->tree().getValue(voxel.getCoord())[0];
+        ++count;
+    }
+    const double expected = ball.extinction * 4.0 / 3 * kPi * std::pow(ball.radius, 3);
+    EXPECT_NEAR(mass * std::pow(2.0 / 16, 3), expected, 0.05 * expected);
+    EXPECT_NEAR(inside / count, ball.extinction, 0.15 * ball.extinction);
+    EXPECT_NEAR(color / count, ball.color[0], 0.05 * ball.color[0]);
+}
+
+TEST(PhotoFit, SameBitsForAnyThreads) {
+    const std::vector<Photograph> photographs = photographsOf(Ball{}, 6, 32);
+    PhotoFitOptions options = smallFit();
+    options.passes = 2;
+    options.levels = 2;
+    options.resolution = 32;
+    std::vector<PhotoFitResult> results;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        results.push_back(fitPhotographs(photographs, options));
+    }
+    for (const PhotoFitResult& result : results) {
+        ASSERT_EQ(result.density->activeVoxelCount(), results[0].density->activeVoxelCount());
+        for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel)
+            ASSERT_EQ(*voxel, results[0].density->tree().getValue(voxel.getCoord()));
+        EXPECT_EQ(result.history.back().fitted, results[0].history.back().fitted);
+    }
+}
+
+TEST(PhotoFit, StopsWhenAsked) {
+    int calls = 0;
+    const PhotoFitResult result = fitPhotographs(photographsOf(Ball{}, 6, 32), smallFit(),
+                                                 [&](const std::string&, double) { return ++calls < 3; });
+    EXPECT_EQ(result.termination, PhotoFitTermination::interrupted);
+    EXPECT_GT(result.density->activeVoxelCount(), 0u);
+}
+
+TEST(PhotoFit, RefusesWhatItCannotUse) {
+    const std::vector<Photograph> photographs = photographsOf(Ball{}, 3, 16);
+    PhotoFitOptions options = smallFit();
+    options.resolution = 20;
+    EXPECT_THROW(fitPhotographs(photographs, options), InvalidArgument);
+    EXPECT_THROW(fitPhotographs({}, smallFit()), InvalidArgument);
+    std::vector<Photograph> opaque = photographs;
+    opaque[1].matte = Image(16, 16, 3);
+    EXPECT_THROW(fitPhotographs(opaque, smallFit()), InvalidArgument);
+    std::vector<Photograph> larger = photographs;
+    larger[1].matte = Image(32, 16, 4);
+    EXPECT_THROW(fitPhotographs(larger, smallFit()), InvalidArgument);
+    std::vector<Photograph> empty = photographs;
+    for (Photograph& photograph : empty) photograph.matte = Image(16, 16, 4);
+    EXPECT_THROW(fitPhotographs(empty, smallFit()), InvalidArgument);
+}
