@@ -18,10 +18,12 @@ enum class PhotoTermination {
 
 /// How far it was.
 struct PhotoPoint {
-    int updates = 0;        ///< so far
-    double seconds = 0;     ///< spent on them
-    int resolution = 0;     ///< voxels along the longest edge of the grid
-    double imageError = 0;  ///< RMS difference to the pictures since the last point, each just before its update
+    int updates = 0;     ///< so far
+    double seconds = 0;  ///< spent on them
+    int resolution = 0;  ///< voxels along the longest edge of the grid
+    /// RMS difference to the pictures since the last point, each just before its update: of RGBA, linear light, all
+    /// pixels; of the fit of RGB on white as displays encode it, of pixels that meet something.
+    double imageError = 0;
     double opacity = std::numeric_limits<double>::quiet_NaN();  ///< RMS over all voxels of the grid of the difference
                                                                 ///< to the reference; NaN without one
     double color = std::numeric_limits<double>::quiet_NaN();    ///< the same of opacity times colour, mean of channels

@@ -97,6 +97,16 @@ void gather(const std::vector<Tile>& tiles, PhotoRays& to) {
 
 }  // namespace
 
+ReconstructionGrid photoGrid(const Box3& box, int resolution) {
+    ReconstructionGrid grid;
+    const Vec3 size = box.size();
+    grid.spacing = std::max({size.x, size.y, size.z}) / resolution;
+    grid.center = box.center();
+    for (int axis = 0; axis < 3; ++axis)
+        grid.dims[axis] = std::clamp(int(std::ceil(size[axis] / grid.spacing / 8 - 1e-6)) * 8, 8, resolution);
+    return grid;
+}
+
 std::vector<Photograph> picturesFor(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid) {
     requireUsable(photographs);
     std::vector<Photograph> all(photographs.size());
