@@ -93,7 +93,7 @@ void addLight(Json& json, const PhotoReconstruction& result) {
                      {"residual", light.residual},
                      {"residual_aside", light.aside},
                      {"residual_ambient", light.ambient},
-                     {"confidence", light.confidence()}};
+                     {"confidence", light.confidence}};
 }
 
 const char* nameOf(MattingOptions::Matting matting) {

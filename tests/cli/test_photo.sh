@@ -215,7 +215,7 @@ usage "--threshold: is for --matting black and white" views -o vol.vdb --thresho
 usage "--threshold" views -o vol.vdb --matting black --threshold 0.7
 usage "--bounds" views -o vol.vdb --bounds 0,0,0,1,1
 usage "must be less than" views -o vol.vdb --bounds 0,0,0,1,-1,1
-usage "--size" views -o vol.vdb --size 4
+usage "--size: must be a multiple of 8" views -o vol.vdb --size 20
 usage "--iterations: must be at least 1" views -o vol.vdb --iterations 0
 usage "--method" views -o vol.vdb --method art
 usage "--axes" views -o vol.vdb --axes maya

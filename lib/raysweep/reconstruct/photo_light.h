@@ -1,15 +1,9 @@
-/// Where the light comes from that an object was photographed in while it turned. Mattes say where it is, whatever the
-/// light; so a coarse volume gives surfaces and their normals. As the object turns, the lamp standing still, a place on
-/// a surface is seen in several brightnesses, in the ratio in which
-///
-///     ambient + diffuse max(0, -light.n)                                                                     (1)
-///
-/// changes for it. Its colour, the same in all views, is solved for in closed form, so that a light leaves of a place's
-/// brightnesses b_k, seen with weights w_k, and its own f_k by eq. 1
-///
-///     Σ_k w_k b_k² - (Σ_k w_k b_k f_k)² / Σ_k w_k f_k²                                                       (2)
-///
-/// and all directions and shares of ambient light can be tried.
+/// The light that an object was photographed in while it turned, the lamp standing still. Mattes say where matter is,
+/// whatever the light; so a coarse volume gives surfaces and their normals. Colours do not turn, light does: which
+/// direction and which share of ambient light leave least of the pictures when colours are what suits them best? A
+/// first guess (photo_sightings.h) is improved by steps of Gauss and Newton for the three components of diffuse light,
+/// of whose effect on the pictures only what no colours could do counts: variable projection, G. H. Golub and V.
+/// Pereyra, SIAM J. Numer. Anal. 10, 1973.
 #pragma once
 
 #include "raysweep/camera/photographs.h"
@@ -17,23 +11,30 @@
 #include "raysweep/reconstruct/photo_result.h"
 #include "raysweep/reconstruct/reconstruction_grid.h"
 
+#include <optional>
+#include <vector>
+
 namespace raysweep {
 
 struct PhotoLightOptions {
-    int resolution = 32;   ///< voxels along the longest edge, in [8,256]
-    int views = 48;        ///< photographs that are looked at, at most, > 1
+    int resolution = 48;   ///< voxels along the longest edge, at most those of the grid, in [8,256]
+    int views = 40;        ///< photographs that are looked at, at most, > 1
     int passes = 4;        ///< over these, for the coarse volume, > 0
-    int places = 6000;     ///< of surfaces, those best seen, > 0
-    int directions = 400;  ///< that are tried first, > 1
+    int places = 6000;     ///< of surfaces, for the guess, > 0
+    int directions = 200;  ///< that are tried for it, > 1
+    int steps = 4;         ///< of Gauss and Newton, >= 0
+    int colorPasses = 3;   ///< over the photographs, for the colours before each step, > 0
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;
 };
 
-/// The light that leaves least. Without diffuse light there is nothing to find: then ambient is 1 or the confidence
-/// low.
+/// The light that leaves least. Without diffuse light there is nothing to find: then ambient is near to 1 and
+/// confidence low. A ring of views tells little of how high the light stands: from each place it looks the same in
+/// all.
+/// @return nothing if `progress` asked to stop
 /// @throw InvalidArgument for options out of bounds, and photographs as for photoSart
-PhotoLight findLight(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
-                     const PhotoLightOptions& options = {}, const ProgressCallback& progress = {});
+std::optional<PhotoLight> findLight(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
+                                    const PhotoLightOptions& options = {}, const ProgressCallback& progress = {});
 
 }  // namespace raysweep

@@ -4,7 +4,6 @@
 #include "raysweep/render/shading.h"
 #include "raysweep/volume/grids.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -19,10 +18,12 @@ enum class PhotoTermination {
 
 /// How far it was.
 struct PhotoPoint {
-    int updates = 0;        ///< so far
-    double seconds = 0;     ///< spent on them
-    int resolution = 0;     ///< voxels along the longest edge of the grid
-    double imageError = 0;  ///< RMS difference to the pictures since the last point, each just before its update
+    int updates = 0;     ///< so far
+    double seconds = 0;  ///< spent on them
+    int resolution = 0;  ///< voxels along the longest edge of the grid
+    /// RMS difference to the pictures since the last point, each just before its update: of RGBA, linear light, all
+    /// pixels; of the fit of RGB on white as displays encode it, of pixels that meet something.
+    double imageError = 0;
     double opacity = std::numeric_limits<double>::quiet_NaN();  ///< RMS over all voxels of the grid of the difference
                                                                 ///< to the reference; NaN without one
     double color = std::numeric_limits<double>::quiet_NaN();    ///< the same of opacity times colour, mean of channels
@@ -30,17 +31,12 @@ struct PhotoPoint {
 
 /// The light that photographs were found to be taken in.
 struct PhotoLight {
-    Shading shading;      ///< as for the first photograph; ambient and diffuse together are 1
-    double residual = 1;  ///< RMS of what it leaves unexplained of the brightness of surfaces, relative to that
-    double aside = 1;     ///< the least that any light leaves whose direction is 30 degrees or more away
-    double ambient = 1;   ///< what ambient light alone leaves
-
-    /// Of what light from somewhere explains better than ambient light, in squares, the part that needs this direction:
-    /// 1 if any other is as bad as none, 0 if another is as good.
-    double confidence() const {
-        const double best = residual * residual, most = ambient * ambient - best;
-        return most > 0 ? std::clamp((aside * aside - best) / most, 0.0, 1.0) : 0.0;
-    }
+    Shading shading;        ///< as for the first photograph; ambient and diffuse together are 1
+    double residual = 0;    ///< RMS of what it leaves of the brightness of the pictures, relative to that
+    double aside = 0;       ///< the least that a light leaves whose direction is 30 degrees away
+    double ambient = 0;     ///< what ambient light alone leaves
+    double confidence = 0;  ///< of what ambient light leaves, in squares, the part that the direction explains, were
+                            ///< all as telling as the least telling one; in [0,1]
 };
 
 struct PhotoTimings {

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
-#include <random>
 #include <optional>
+#include <random>
 #include <sstream>
 #include <string>
 
@@ -127,26 +127,15 @@ void paperRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, Compos
 void consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const RaySamples& s,
                     CompositeVoxel* values) {
     const auto& pixel = rays.pixels[r];
-    float opacities = 0, squares = 0;
-    for (std::size_t i = 0; i < s.count; ++i) {
-        const float seen = s.transmittances[i] - s.transmittances[i + 1];
-        opacities += seen / s.transmittances[i];
-        squares += seen * seen;
-    }
-    opacities += kLeastOpacity * s.ray.length * float(s.count);
+    float opacities = kLeastOpacity * s.ray.length * float(s.count);
+    for (std::size_t i = 0; i < s.count; ++i) opacities += 1 - s.transmittances[i + 1] / s.transmittances[i];
     const float depth = -std::log(std::max(s.color.transmittance, 1e-30f));
-    const float asked = -std::log(std::max(1 - pixel[3], std::exp(-mostDepth)));
+    const float asked = std::min(mostDepth, -std::log(std::max(1 - pixel[3], 1e-30f)));
     float change = asked - depth;
-    if (asked >= mostDepth * 0.9999f) change = std::max(change, 0.0f);
+    if (asked >= mostDepth) change = std::max(change, 0.0f);
     change /= std::max(opacities, 1e-6f);
-    // What hardly shows has hardly a colour.
-    const auto colors = missing(pixel, s.color);
-    const float toColor = 1 / (squares + 1e-4f);
-    for (std::size_t i = 0; i < s.count; ++i) {
-        const float share = rays.shares[r].at(s.numbers[i]);
-        const float seen = share * toColor * (s.transmittances[i] - s.transmittances[i + 1]);
-        values[i] = {share * change, seen * colors[0], seen * colors[1], seen * colors[2]};
-    }
+    correctColors(rays.shares[r], s, missing(pixel, s.color), values);
+    for (std::size_t i = 0; i < s.count; ++i) values[i].extinction = rays.shares[r].at(s.numbers[i]) * change;
 }
 
 /// All voxels of a grid.

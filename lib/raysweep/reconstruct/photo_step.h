@@ -11,6 +11,8 @@ namespace raysweep {
 /// Length 1, times 32767; all 0 where there is none.
 struct PackedNormal {
     std::int16_t x = 0, y = 0, z = 0, unused = 0;
+
+    bool isSurface() const { return (x | y | z) != 0; }
 };
 
 /// The light of one view: brightness is ambient + diffuse max(0, toLight.n).
@@ -44,7 +46,7 @@ void brickNormals(const CompositeLayout& layout, const CompositeVoxel* voxels, s
 /// Brightness of a surface; one that has no normal looks as if it faced the light.
 inline float brightness(const ViewLight& light, const PackedNormal& n) {
     constexpr float kUnit = 1.0f / 32767;
-    if ((n.x | n.y | n.z) == 0) return light.ambient + light.diffuse;
+    if (!n.isSurface()) return light.ambient + light.diffuse;
     const float facing =
         kUnit * (float(n.x) * light.toLight[0] + float(n.y) * light.toLight[1] + float(n.z) * light.toLight[2]);
     return light.ambient + light.diffuse * (facing > 0 ? facing : 0.0f);

@@ -97,6 +97,16 @@ void gather(const std::vector<Tile>& tiles, PhotoRays& to) {
 
 }  // namespace
 
+ReconstructionGrid photoGrid(const Box3& box, int resolution) {
+    ReconstructionGrid grid;
+    const Vec3 size = box.size();
+    grid.spacing = std::max({size.x, size.y, size.z}) / resolution;
+    grid.center = box.center();
+    for (int axis = 0; axis < 3; ++axis)
+        grid.dims[axis] = std::clamp(int(std::ceil(size[axis] / grid.spacing / 8 - 1e-6)) * 8, 8, resolution);
+    return grid;
+}
+
 std::vector<Photograph> picturesFor(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid) {
     requireUsable(photographs);
     std::vector<Photograph> all(photographs.size());
@@ -139,6 +149,19 @@ void setRays(PhotoRays& to, const Photograph& picture, const ReconstructionGrid&
     });
     gather(tiles, to);
     to.pictureRays = double(width) * height / (half ? 2 : 1);
+}
+
+void correctColors(const RayShare& share, const RaySamples& s, const std::array<float, 3>& missing,
+                   CompositeVoxel* values) {
+    float squares = 1e-4f;  // what hardly shows has hardly a colour
+    for (std::size_t i = 0; i < s.count; ++i) {
+        const float seen = s.transmittances[i] - s.transmittances[i + 1];
+        squares += seen * seen;
+    }
+    for (std::size_t i = 0; i < s.count; ++i) {
+        const float part = share.at(s.numbers[i]) * (s.transmittances[i] - s.transmittances[i + 1]) / squares;
+        values[i] = {0, part * missing[0], part * missing[1], part * missing[2]};
+    }
 }
 
 Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light) {

@@ -10,6 +10,9 @@
 
 namespace raysweep {
 
+/// Cubic voxels that fill a box, `resolution` along its longest edge, whole bricks along the others.
+ReconstructionGrid photoGrid(const Box3& box, int resolution);
+
 /// The photographs, those with pixels much smaller than voxels reduced: as often as pixels stay at most as large as
 /// voxels, seen in the middle of the grid. @throw InvalidArgument for no photographs, such without alpha, and cameras
 /// of other sizes than their pictures.
@@ -42,6 +45,11 @@ struct PhotoRays {
 /// @param time odd or even: which of these
 void setRays(PhotoRays& rays, const Photograph& picture, const ReconstructionGrid& grid, const CompositeLayout& layout,
              int perSlice, int time);
+
+/// Gives the samples of a ray the shortest change of colours that brings it by `missing` nearer to a pixel: by their
+/// visibility v_s (composite.h, eq. 2), v_s / Σ v², times the ray's share. Extinction is given nothing.
+void correctColors(const RayShare& share, const RaySamples& samples, const std::array<float, 3>& missing,
+                   CompositeVoxel* values);
 
 /// Direction in which light travels that comes with the camera, as for the first photograph `light` is (render/rig.h).
 Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light);

@@ -1,0 +1,50 @@
+#include "raysweep/reconstruct/photo_surfaces.h"
+
+#include "raysweep/core/parallel.h"
+#include "raysweep/reconstruct/photo_views.h"
+
+namespace raysweep {
+
+PhotoSurfaces surfacesOf(const PhotoReconstruction& volume, const ReconstructionGrid& grid) {
+    PhotoSurfaces to;
+    to.grid = grid;
+    std::vector<MaskedBrick> bricks;
+    for (auto leaf = volume.density->tree().cbeginLeaf(); leaf; ++leaf) {
+        MaskedBrick brick{Index3(leaf->origin().x(), leaf->origin().y(), leaf->origin().z()), {}};
+        for (openvdb::Index i = 0; i < 512; ++i)
+            if (leaf->isValueOn(i)) brick.mask[i >> 6] |= std::uint64_t(1) << (i & 63);
+        bricks.push_back(brick);
+    }
+    to.layout = compositeLayout(grid.dims, bricks);
+    to.voxels.resize(to.layout.voxelCount());
+    to.normals.resize(to.layout.voxelCount());
+    for (std::size_t b = 1; b < to.layout.brickCount(); ++b) {
+        const Index3 at = to.layout.origins[b];
+        const auto* density = volume.density->tree().probeConstLeaf(openvdb::Coord(at.x, at.y, at.z));
+        const auto* color = volume.color->tree().probeConstLeaf(openvdb::Coord(at.x, at.y, at.z));
+        for (openvdb::Index i = 0; i < 512; ++i) {
+            if (!density->isValueOn(i)) continue;
+            const openvdb::Vec3s c = color->getValue(i);
+            to.voxels[b * 512 + i] = {float(density->getValue(i) * grid.spacing), c[0], c[1], c[2]};
+        }
+    }
+    parallelFor(to.layout.brickCount() - 1,
+                [&](std::size_t n) { brickNormals(to.layout, to.voxels.data(), n + 1, &to.normals[(n + 1) * 512]); });
+    return to;
+}
+
+ViewLight lightOf(const Shading& shading, const PhotoCamera& camera, const PhotoCamera& first) {
+    const Vec3 light = lightBeside(camera, first, shading.light).normalized();
+    return {float(shading.ambient), float(shading.diffuse), {float(-light.x), float(-light.y), float(-light.z)}};
+}
+
+void lightAll(const PhotoSurfaces& surfaces, const std::vector<CompositeVoxel>& colors, const ViewLight& light,
+              std::vector<CompositeVoxel>& shown) {
+    shown.resize(colors.size());
+    parallelFor(surfaces.layout.brickCount() - 1, [&](std::size_t n) {
+        const std::size_t first = (n + 1) * 512;
+        lightBrick(&colors[first], &surfaces.normals[first], light, &shown[first]);
+    });
+}
+
+}  // namespace raysweep
