@@ -76,12 +76,13 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     options.method = kMethods.at(a.method);
     options.box = a.box || a.reference.empty() ? sets.bounds : std::nullopt;
     options.resolution = a.size;
-    if (a.iterations) options.fit.passes = options.sart.iterations = *a.iterations;
-    if (a.relaxation) options.sart.relaxation = *a.relaxation;
-    options.sart.light = {a.shading, !a.lampStands};
-    options.sart.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
-    options.searchLight = a.findLight;
+    if (a.iterations) options.iterations = *a.iterations;
+    if (a.relaxation) options.relaxation = *a.relaxation;
+    options.light = {a.shading, !a.lampStands};
+    options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
+    options.findLight = a.findLight;
     options.seed = a.common.seed;
+    if (!a.reference.empty()) options.reference = readReference(a.reference);
     return options;
 }
 
@@ -199,12 +200,9 @@ bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
     if (!outcome.sets.complete || TerminalProgress::interrupted()) return false;
     chooseMethod(a, outcome.sets);
     const PhotoOptions options = optionsFor(a, outcome.sets);
-    shading = options.sart.light.shading;
-    std::optional<ColorVolume> reference;
-    if (!a.reference.empty()) reference = readReference(a.reference);
+    shading = options.light.shading;
     TerminalProgress progress(a.common);
-    outcome.result = reconstructPhotographs(outcome.sets.used.views, options, reference ? &*reference : nullptr,
-                                            progress.callback());
+    outcome.result = reconstructPhotographs(outcome.sets.used.views, options, progress.callback());
     if (outcome.result.light) shading = outcome.result.light->shading;
     return !(isInterrupted(outcome.result) && outcome.result.density->empty());
 }

@@ -82,7 +82,8 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
                  "The lamp stands still; else it goes along with the camera, as if the object turned on a table");
     app.add_option("--bounds", a.bounds, "Box of the volume, world units (default: what the photographs show)")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-    app.add_option("--size", a.size, "Voxels along the longest edge of the box")->capture_default_str();
+    app.add_option("--size", a.size, "Voxels along the longest edge of the box, a multiple of 8")
+        ->capture_default_str();
     app.add_flag("--half", a.half, "Save as half floats");
 }
 
@@ -159,6 +160,7 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
     if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";
+    if (a.findLight && a.lampStands) usageError("--fixed-light", "light that stands still cannot be found");
     if (!a.findLight) {
         a.lightInWorld = parseVec3(a.light, "--light");
         if (!(a.lightInWorld->length() > 0)) usageError("--light", "must not be 0,0,0");
@@ -182,7 +184,8 @@ void completeOptions(PhotoArguments& a, const CLI::App& command) {
     if (lowerExtension(a.output) != ".vdb") usageError("--output", "'" + a.output + "' must end in .vdb");
     completePhotographs(a, command);
     if (!a.bounds.empty()) a.box = parseBounds(a.bounds);
-    if (a.size < 8 || a.size > 1024) usageError("--size", "must be from 8 to 1024");
+    if (a.size < 16 || a.size > 1024 || a.size % 8 != 0)
+        usageError("--size", "must be a multiple of 8, from 16 to 1024");
     if (a.iterations && *a.iterations < 1) usageError("--iterations", "must be at least 1");
     completeLight(a, command);
     if (!(a.backdrop >= 0 && a.backdrop <= 1)) usageError("--backdrop", "must be in [0,1]");

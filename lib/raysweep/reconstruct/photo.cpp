@@ -1,13 +1,13 @@
 #include "raysweep/reconstruct/photo.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/require.h"
 #include "raysweep/reconstruct/photo_hull.h"
-#include "raysweep/reconstruct/photo_light.h"
+#include "raysweep/reconstruct/photo_views.h"
 #include "raysweep/volume/active_values.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace raysweep {
 namespace {
@@ -23,14 +23,9 @@ int wholeBricks(double voxels) {
     return std::max(1, int(std::ceil(voxels / kBrick - 1e-6))) * kBrick;
 }
 
-ReconstructionGrid gridIn(const Box3& box, int resolution) {
-    const Vec3 size = box.size();
-    ReconstructionGrid grid;
-    const int most = wholeBricks(resolution);
-    grid.spacing = std::max({size.x, size.y, size.z}) / most;
-    grid.center = box.center();
-    for (int axis = 0; axis < 3; ++axis) grid.dims[axis] = std::min(most, wholeBricks(size[axis] / grid.spacing));
-    return grid;
+int passesOf(const PhotoOptions& options) {
+    if (options.iterations > 0) return options.iterations;
+    return options.method == PhotoMethod::consistent ? 4 : 12;
 }
 
 /// Edge of the voxels. @throw InvalidArgument unless they are cubes along the world's axes
@@ -79,11 +74,14 @@ Box3 activeBox(const openvdb::FloatGrid& reference) {
     return Box3(Vec3(low.x(), low.y(), low.z()), Vec3(high.x(), high.y(), high.z()));
 }
 
-ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const PhotoOptions& options,
-                           const ColorVolume* reference) {
-    if (reference) return gridOn(*reference->density, options.box ? *options.box : activeBox(*reference->density));
-    return gridIn(options.box ? *options.box : photographedBox(photographs, float(options.fit.hullThreshold)),
-                  options.resolution);
+ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const PhotoOptions& options) {
+    if (options.grid) return *options.grid;
+    if (options.reference) {
+        const openvdb::FloatGrid& reference = *options.reference->density;
+        return gridOn(reference, options.box ? *options.box : activeBox(reference));
+    }
+    const Box3 box = options.box ? *options.box : photographedBox(photographs, float(PhotoSartOptions().hullThreshold));
+    return photoGrid(box, options.resolution);
 }
 
 /// Sums of squares of differences.
@@ -124,77 +122,99 @@ double pixelCount(const std::vector<Photograph>& photographs) {
     return count;
 }
 
-PhotoReconstruction byFit(const std::vector<Photograph>& photographs, const PhotoOptions& options,
-                          const ReconstructionGrid& grid, const ColorVolume* reference,
-                          const ProgressCallback& progress) {
+std::vector<PhotoPoint> historyOf(const PhotoFitResult& from) {
+    std::vector<PhotoPoint> history;
+    for (const PhotoFitPoint& point : from.history) {
+        PhotoPoint all;
+        all.updates = point.updates;
+        all.seconds = point.seconds;
+        all.resolution = point.resolution;
+        all.imageError = std::pow(10, -point.fitted / 20);
+        history.push_back(all);
+    }
+    return history;
+}
+
+PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const PhotoOptions& options,
+                           const ProgressCallback& progress) {
+    const ReconstructionGrid grid = gridFor(photographs, options);
     PhotoFitOptions fit = options.fit;
+    fit.passes = passesOf(options);
     fit.box = boxOf(grid);
     fit.resolution = std::max({grid.dims.x, grid.dims.y, grid.dims.z});
     fit.seed = options.seed;
     fit.raysPerUpdate = int(
         std::min<double>(fit.raysPerUpdate, std::max<double>(kFewestRays, pixelCount(photographs) / kFewestUpdates)));
-    PhotoFitResult found = fitPhotographs(photographs, fit, progress);
-    PhotoReconstruction result;
-    result.density = found.density;
-    result.opacity = found.opacity;
-    result.color = extendedColor(*found.color, *found.density);
-    for (const PhotoFitPoint& point : found.history)
-        result.history.push_back({point.updates, point.seconds, point.resolution, std::pow(10, -point.fitted / 20)});
-    if (found.termination == PhotoFitTermination::interrupted) result.termination = PhotoTermination::interrupted;
-    result.timings.prepared = found.timings.prepared;
-    result.timings.updates = found.timings.updates;
-    result.updates = found.history.empty() ? 0 : found.history.back().updates;
-    result.keptVoxels = found.keptVoxels;
-    result.samples = found.samples;
-    if (reference) compare(*reference, grid, result);
-    return result;
+    const PhotoFitResult from = fitPhotographs(photographs, fit, progress);
+    PhotoReconstruction to;
+    to.density = from.density;
+    to.opacity = from.opacity;
+    to.color = extendedColor(*from.color, *from.density);
+    to.history = historyOf(from);
+    if (!to.history.empty()) to.updates = to.history.back().updates;
+    if (from.termination == PhotoFitTermination::interrupted) to.termination = PhotoTermination::interrupted;
+    to.timings = {from.timings.prepared, 0, from.timings.updates, from.timings.total};
+    to.keptVoxels = from.keptVoxels;
+    to.samples = from.samples;
+    if (options.reference) compare(*options.reference, grid, to);
+    return to;
 }
 
-PhotoReconstruction byCorrections(const std::vector<Photograph>& photographs, const PhotoOptions& options,
-                                  const ReconstructionGrid& grid, const ColorVolume* reference,
-                                  const ProgressCallback& progress) {
-    PhotoSartOptions sart = options.sart;
-    sart.form = options.method == PhotoMethod::paper ? PhotoForm::paper : PhotoForm::consistent;
-    sart.seed = options.seed;
+PhotoReconstruction corrected(const std::vector<Photograph>& photographs, const PhotoOptions& options,
+                              const ProgressCallback& progress) {
     const Timer timer;
+    const ReconstructionGrid grid = gridFor(photographs, options);
+    PhotoSartOptions sart;
+    sart.form = options.method == PhotoMethod::paper ? PhotoForm::paper : PhotoForm::consistent;
+    sart.iterations = passesOf(options);
+    sart.relaxation = options.relaxation;
+    sart.historyEvery = options.historyEvery;
+    sart.light = options.light;
+    sart.seed = options.seed;
     std::optional<PhotoLight> light;
-    if (options.searchLight) {
-        light = findLight(photographs, grid, {}, progress);
-        sart.light = {light->shading, true};
+    double searched = 0;
+    if (options.findLight) {
+        const Timer search;
+        light = findLight(photographs, grid, options.lightSearch, progress);
+        searched = search.seconds();
+        if (light) sart.light.shading = light->shading;
     }
-    const double searched = timer.seconds();
-    PhotoReconstruction result = photoSart(photographs, grid, sart, {nullptr, reference}, progress);
+    const bool stopped = options.findLight && !light;
+    const ProgressCallback stop = [](const std::string&, double) { return false; };
+    PhotoVolumes volumes;
+    if (options.reference) volumes.reference = &*options.reference;
+    PhotoReconstruction result = photoSart(photographs, grid, sart, volumes, stopped ? stop : progress);
     result.light = light;
     result.timings.light = searched;
+    result.timings.total = timer.seconds();
     return result;
 }
 
 }  // namespace
 
 void PhotoOptions::validate() const {
-    requireField(resolution >= 8 && resolution <= 1024, "resolution", resolution, "in [8,1024]");
-    if (method == PhotoMethod::fit) {
-        fit.validate();
-        if (searchLight || sart.light.shading.diffuse > 0)
-            throw InvalidArgument(
-                "a fit takes colours as they are seen; to take light out of them, choose another method");
-    } else {
-        sart.validate();
-    }
+    requireField(iterations >= 0, "iterations", iterations, "at least 0");
+    requireField(relaxation > 0 && relaxation <= 2, "relaxation", relaxation, "in (0,2]");
+    requireField(resolution >= 16 && resolution <= 1024 && resolution % 8 == 0, "resolution", resolution,
+                 "a multiple of 8, from 16 to 1024");
+    requireField(historyEvery >= 0, "historyEvery", historyEvery, "at least 0");
+    light.shading.validate();
+    lightSearch.validate();
+    if (grid) grid->validate();
+    if (findLight && !light.turns)
+        throw InvalidArgument("light that stays with the object cannot be found: from all sides it looks the same");
+    if (method == PhotoMethod::fit && (findLight || light.shading.diffuse > 0))
+        throw InvalidArgument(
+            "the fit takes colours as they are seen; choose another method where light is known or "
+            "to be found");
+    if (method == PhotoMethod::fit) fit.validate();
 }
 
 PhotoReconstruction reconstructPhotographs(const std::vector<Photograph>& photographs, const PhotoOptions& options,
-                                           const ColorVolume* reference, const ProgressCallback& progress) {
-    const Timer timer;
+                                           const ProgressCallback& progress) {
     options.validate();
-    if (photographs.empty()) throw InvalidArgument("there are no photographs to make a volume of");
-    const ReconstructionGrid grid = gridFor(photographs, options, reference);
-    grid.validate();
-    PhotoReconstruction result = options.method == PhotoMethod::fit
-                                     ? byFit(photographs, options, grid, reference, progress)
-                                     : byCorrections(photographs, options, grid, reference, progress);
-    result.timings.total = timer.seconds();
-    return result;
+    return options.method == PhotoMethod::fit ? fitted(photographs, options, progress)
+                                              : corrected(photographs, options, progress);
 }
 
 }  // namespace raysweep

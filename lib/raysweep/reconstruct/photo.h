@@ -1,44 +1,52 @@
-/// One call from photographs freed of their backdrop to a volume, whatever the method.
+/// One call from photographs to a volume with opacity and colour.
 #pragma once
 
 #include "raysweep/camera/photographs.h"
 #include "raysweep/core/progress.h"
 #include "raysweep/reconstruct/photo_fit.h"
+#include "raysweep/reconstruct/photo_light.h"
 #include "raysweep/reconstruct/photo_result.h"
 #include "raysweep/reconstruct/photo_sart.h"
+#include "raysweep/volume/color_volume.h"
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace raysweep {
 
 enum class PhotoMethod {
-    fit,         ///< fitPhotographs; colours are those that are seen
-    consistent,  ///< photoSart, eq. 2
-    paper        ///< photoSart, eq. 1
+    fit,         ///< the exact derivative of compositing (photo_fit.h): colours as they are seen, whatever the light
+    consistent,  ///< corrections of optical depth (photo_sart.h, eq. 2)
+    paper        ///< corrections as the paper makes them (eq. 1)
 };
 
 struct PhotoOptions {
     PhotoMethod method = PhotoMethod::fit;
-    int resolution = 128;     ///< voxels along the longest edge of the box, in [8,1024]; made a multiple of 8
-    std::optional<Box3> box;  ///< of the volume, world units; without it what the photographs show, or the reference's
-    PhotoFitOptions fit;    ///< what it says of grid and seed is not looked at; this and the next have the methods' own
-                            ///< options
-    PhotoSartOptions sart;  ///< `form` and `seed` are not looked at
-    bool searchLight = false;  ///< consistent, paper: the light of the photographs is found (photo_light.h), in place
-                               ///< of `sart.light`
-    std::uint32_t seed = 1;
+    int iterations = 0;       ///< passes over all photographs, of `fit` in the finest grid; 0: 12 for `fit`, 4 for
+                              ///< `consistent`, 12 for `paper`; >= 0
+    double relaxation = 1;    ///< part of a correction that is made, in (0,2]; not of `fit`
+    int resolution = 128;     ///< voxels along the longest edge of the box, multiple of 8, 16 to 1024
+    std::optional<Box3> box;  ///< of the volume, world units; without it what the photographs show
+    std::optional<ReconstructionGrid> grid;  ///< instead of `resolution` and `box`
+    std::optional<ColorVolume> reference;    ///< of which the history tells the RMS difference (of `fit`, in its last
+                                             ///< point); without `grid` its voxels are used: those in `box`, else the
+                                             ///< active ones
+    std::uint32_t seed = 1;                  ///< of what is random
+    int historyEvery = 0;                    ///< updates from one point of the history to the next; 0: a pass; >= 0
+    PhotoIllumination light;                 ///< not of `fit`
+    bool findLight = false;                  ///< instead of what `light` says; the object must have turned
+    PhotoLightOptions lightSearch;
+    PhotoFitOptions fit;  ///< all that is not said above; small sets get smaller updates than it says
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;
 };
 
-/// @param reference of which the history tells the RMS difference (fit: its last point only), in the volume's grid,
-/// which then has the reference's voxels, not `resolution`; may be null
-/// @throw InvalidArgument as the options' validate() and the methods; if cameras look at nothing in common and no box
-/// is given; for references whose voxels are no cubes along the world's axes
-PhotoReconstruction reconstructPhotographs(const std::vector<Photograph>& photographs, const PhotoOptions& options = {},
-                                           const ColorVolume* reference = nullptr,
+/// The volume that photographs show. The same bits for any number of threads.
+/// @throw InvalidArgument as PhotoOptions::validate, fitPhotographs, findLight and photoSart; for references whose
+/// voxels are no cubes along the world's axes
+PhotoReconstruction reconstructPhotographs(const std::vector<Photograph>& photographs, const PhotoOptions& options,
                                            const ProgressCallback& progress = {});
 
 }  // namespace raysweep
