@@ -31,7 +31,6 @@ struct PhotoFitOptions {
     double passes = 12;                ///< and in the finest, > 0
     int pictureSize = 400;             ///< pictures whose longer edge is twice this or more are reduced, pixels, > 0
     int samplesPerSlice = 2;           ///< of rays, from slice to slice, > 0
-    int blockBits = 0;
     int raysPerUpdate = 16384;         ///< > 0
     double extinctionRate = 0.05;      ///< first step of extinction, 1/edge of a voxel, > 0
     double colorRate = 0.02;           ///< first step of the square root of colours, > 0
