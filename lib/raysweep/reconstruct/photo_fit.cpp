@@ -489,17 +489,24 @@ PhotoFitResult fitPhotographs(const std::vector<Photograph>& photographs, const 
     const Box3 box = options.box ? *options.box : photographedBox(pictures, float(options.hullThreshold));
     const double all = options.coarsePasses * (options.levels - 1) + options.passes;
     double done = 0;
-    Level level;
+    Level level, coarser;
     for (int n = 0; n < options.levels; ++n) {
         const int finest = options.levels - 1;
         const ReconstructionGrid grid = gridOf(box, std::max(8, options.resolution >> (finest - n)));
-        level = n == 0 ? firstLevel(pictures, grid, options) : finerLevel(level, pictures, grid, options);
+        coarser = std::move(level);
+        level = n == 0 ? firstLevel(pictures, grid, options) : finerLevel(coarser, pictures, grid, options);
+        const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
         if (!LevelFit(level, pixels, options, timer, result).run(passes, progress, done / all, (done + passes) / all)) {
             result.termination = PhotoFitTermination::interrupted;
             break;
         }
         done += passes;
+        if (n > 0 && result.history.back().leftOut < before) {
+            level = std::move(coarser);
+            result.termination = PhotoFitTermination::overfitted;
+            break;
+        }
     }
     result.keptVoxels = level.layout.keptVoxels();
     addGrids(level, result);

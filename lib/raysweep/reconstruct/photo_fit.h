@@ -50,7 +50,8 @@ struct PhotoFitOptions {
 };
 
 enum class PhotoFitTermination {
-    passes,      ///< all passes were made
+    passes,      ///< all passes were made in all grids
+    overfitted,  ///< a finer grid made the pixels that are left out worse: the volume is the coarser one
     interrupted  ///< the progress callback said stop; the volume is what there was
 };
 
