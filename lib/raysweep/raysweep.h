@@ -14,6 +14,9 @@
 #pragma once
 
 #include "raysweep/camera/camera.h"
+#include "raysweep/camera/object_bounds.h"
+#include "raysweep/camera/pose_check.h"
+#include "raysweep/camera/poses.h"
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/camera/projections.h"
 #include "raysweep/formats/volume_import.h"

@@ -13,7 +13,7 @@ namespace raysweep {
 struct Photograph {
     std::string name;    ///< of the file, for messages
     PhotoCamera camera;  ///< of the size of `matte`
-    Image matte;         ///< RGBA in linear light, RGB multiplied by alpha; alpha is what the object covers of the pixel
+    Image matte;  ///< RGBA in linear light, RGB multiplied by alpha; alpha is what the object covers of the pixel
 };
 
 }  // namespace raysweep

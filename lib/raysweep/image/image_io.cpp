@@ -152,6 +152,11 @@ Image readImage(const std::string& path) {
     return image;
 }
 
+PictureSize pictureSize(const std::string& path) {
+    const PicturePage page = openPicture(path)->page(0);
+    return {page.width, page.height};
+}
+
 PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress) {
     PictureStack stack;
     std::vector<int> pages;

@@ -13,6 +13,13 @@ namespace raysweep {
 /// @throw IoError if the file is missing, is not a picture, or ends early.
 Image readImage(const std::string& path);
 
+struct PictureSize {
+    int width, height;  ///< pixels
+};
+
+/// The size of the picture that `readImage` would read, from the file's beginning alone. @throw IoError likewise.
+PictureSize pictureSize(const std::string& path);
+
 /// Reads grey pictures as they are stored, in the order of `files`; all pages of a file that has several. Pictures of
 /// half floats become 32 bit floats.
 /// @throw InvalidArgument naming the file, and the page, whose size or type differs from the first or which has colour.

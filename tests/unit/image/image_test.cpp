@@ -114,6 +114,16 @@ TEST_F(ImageFile, RowZeroIsOnTop) {
     EXPECT_EQ(readImage(path("a.png")).at(0, 0)[0], 1);
 }
 
+TEST_F(ImageFile, SizeIsThatOfThePictureThatWouldBeRead) {
+    for (const char* name : {"a.exr", "a.png"}) {
+        writeImage(path(name), pattern(7, 5, 3));
+        const PictureSize size = pictureSize(path(name));
+        EXPECT_EQ(size.width, 7);
+        EXPECT_EQ(size.height, 5);
+    }
+    EXPECT_THROW(pictureSize(path("none.png")), IoError);
+}
+
 TEST_F(ImageFile, ErrorsSayWhatAndWhere) {
     EXPECT_THROW(readImage(path("missing.exr")), IoError);
     EXPECT_THROW(readImage(folder_.string()), IoError);

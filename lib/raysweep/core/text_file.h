@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace raysweep {
+
+/// The bytes of a file. @param wanted what should have been given, for messages: "a geometry file (.json, or RTK's
+/// .xml)". @throw IoError, which does not name the file, if there is none, it is a folder, or reading fails
+std::string bytesOfFile(const std::string& path, const std::string& wanted);
+
+/// Writes a file that appears whole or not at all. @throw IoError
+void writeText(const std::string& path, const std::string& text);
+
+}  // namespace raysweep
