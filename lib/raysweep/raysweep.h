@@ -29,6 +29,7 @@
 #include "raysweep/phantoms/phantom.h"
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/fbp.h"
+#include "raysweep/reconstruct/photo_fit.h"
 #include "raysweep/reconstruct/reconstruct.h"
 #include "raysweep/reconstruct/sart.h"
 #include "raysweep/render/lit_volume.h"
