@@ -347,4 +347,10 @@ Box3 boundsOf(const std::vector<Photograph>& photographs, const Box3& start) {
     return box;
 }
 
+Box3 boundsOf(const std::vector<Photograph>& photographs) {
+    std::vector<Pose> views(photographs.size());
+    for (std::size_t i = 0; i < views.size(); ++i) views[i].camera = photographs[i].camera;
+    return boundsOf(photographs, boundsSeenByAll(views));
+}
+
 }  // namespace raysweep

@@ -33,4 +33,7 @@ Box3 estimatedBounds(const Poses& poses);
 /// its matte is empty (it is named), or nothing is left
 Box3 boundsOf(const std::vector<Photograph>& photographs, const Box3& start);
 
+/// The same of what all of them see. @throw InvalidArgument likewise, and as boundsSeenByAll
+Box3 boundsOf(const std::vector<Photograph>& photographs);
+
 }  // namespace raysweep

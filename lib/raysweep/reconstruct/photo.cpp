@@ -1,7 +1,7 @@
 #include "raysweep/reconstruct/photo.h"
 
+#include "raysweep/camera/object_bounds.h"
 #include "raysweep/core/require.h"
-#include "raysweep/reconstruct/photo_hull.h"
 #include "raysweep/reconstruct/photo_views.h"
 #include "raysweep/volume/active_values.h"
 
@@ -80,7 +80,7 @@ ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const Pho
         const openvdb::FloatGrid& reference = *options.reference->density;
         return gridOn(reference, options.box ? *options.box : activeBox(reference));
     }
-    const Box3 box = options.box ? *options.box : photographedBox(photographs, float(PhotoSartOptions().hullThreshold));
+    const Box3 box = options.box ? *options.box : boundsOf(photographs);
     return photoGrid(box, options.resolution);
 }
 

@@ -2,6 +2,7 @@
 // derivative of their loss (compositeGradient), now and then smoothness, a step of all bricks.
 #include "raysweep/reconstruct/photo_fit.h"
 
+#include "raysweep/camera/object_bounds.h"
 #include "raysweep/core/brief.h"
 #include "raysweep/core/denormals.h"
 #include "raysweep/core/parallel.h"
@@ -154,14 +155,19 @@ struct Batch {
         unsorted_.resize(count);
         parallelFor(
             count, [&](std::size_t i) { unsorted_[i] = all.ray(pixels[i], level, perSlice); }, 256);
-        rays.clear();
-        targets.clear();
+        order_.clear();
         for (int axis = 0; axis < 3; ++axis)
             for (std::size_t i = 0; i < count; ++i)
-                if (unsorted_[i].axis == axis) {
-                    rays.push_back(unsorted_[i]);
-                    targets.push_back(all.target(pixels[i]));
-                }
+                if (unsorted_[i].axis == axis) order_.push_back(i);
+        rays.resize(count);
+        targets.resize(count);
+        parallelFor(
+            count,
+            [&](std::size_t i) {
+                rays[i] = unsorted_[order_[i]];
+                targets[i] = all.target(pixels[order_[i]]);
+            },
+            256);
         errors.assign(count, 0);
     }
 
@@ -172,6 +178,7 @@ struct Batch {
 
   private:
     std::vector<CompositeRay> unsorted_;
+    std::vector<std::size_t> order_;
 };
 
 /// Edges of the grids, the coarsest first.
@@ -491,22 +498,32 @@ PhotoFitResult fitPhotographs(const std::vector<Photograph>& photographs, const 
     PhotoFitResult result;
     const std::vector<Photograph> pictures = reducedTo(photographs, options.pictureSize);
     const Pixels pixels(pictures);
-    const Box3 box = options.box ? *options.box : photographedBox(pictures, float(options.hullThreshold));
+    const Box3 box = options.box ? *options.box : boundsOf(pictures);
     const double all = options.coarsePasses * (options.levels - 1) + options.passes;
     double done = 0;
-    Level level;
+    Level level, coarser;
     for (int n = 0; n < options.levels; ++n) {
         const int finest = options.levels - 1;
         const ReconstructionGrid grid = gridOf(box, std::max(8, options.resolution >> (finest - n)));
-        level = n == 0 ? firstLevel(pictures, grid, options) : finerLevel(level, pictures, grid, options);
+        level.gradient = std::vector<CompositeVoxel>();
+        level.moments = std::vector<AdamMoments>();
+        coarser = std::move(level);
+        level = n == 0 ? firstLevel(pictures, grid, options) : finerLevel(coarser, pictures, grid, options);
+        const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
         if (!LevelFit(level, pixels, options, timer, result).run(passes, progress, done / all, (done + passes) / all)) {
             result.termination = PhotoFitTermination::interrupted;
             break;
         }
         done += passes;
+        if (n > 0 && result.history.back().leftOut < before) {
+            level = std::move(coarser);
+            result.termination = PhotoFitTermination::overfitted;
+            break;
+        }
     }
     result.keptVoxels = level.layout.keptVoxels();
+    result.dims = level.grid.dims;
     addGrids(level, result);
     result.timings.total = timer.seconds();
     result.timings.prepared = result.timings.total - result.timings.updates;

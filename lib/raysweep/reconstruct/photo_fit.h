@@ -50,7 +50,8 @@ struct PhotoFitOptions {
 };
 
 enum class PhotoFitTermination {
-    passes,      ///< all passes were made
+    passes,      ///< all passes were made in all grids
+    overfitted,  ///< a finer grid made the pixels that are left out worse: the volume is the coarser one
     interrupted  ///< the progress callback said stop; the volume is what there was
 };
 
@@ -77,8 +78,9 @@ struct PhotoFitResult {
     std::vector<PhotoFitPoint> history;
     PhotoFitTermination termination = PhotoFitTermination::passes;
     PhotoFitTimings timings;
-    std::size_t keptVoxels = 0;
-    double samples = 0;  ///< of rays, in all updates
+    Index3 dims{0};              ///< voxels of the grid along x, y, z
+    std::size_t keptVoxels = 0;  ///< of the hull, without what has emptied, and those around it
+    double samples = 0;          ///< of rays, in all updates
 };
 
 /// Memory: 64 bytes for each voxel of a brick of the hull, and the pictures at `pictureSize`. The same bits for any

@@ -1,11 +1,9 @@
 #include "raysweep/reconstruct/photo_hull.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace raysweep {
 namespace {
@@ -97,44 +95,6 @@ bool mayShow(const std::vector<View>& views, const Vec3& center, double radius) 
     return std::all_of(views.begin(), views.end(), [&](const View& v) { return v.mayShow(center, radius); });
 }
 
-/// The point that is nearest to all the cameras' axes (least squares).
-Vec3 lookedAt(const std::vector<Photograph>& photographs) {
-    Matrix3 sum(0, 0, 0, 0, 0, 0, 0, 0, 0);
-    Vec3 right(0);
-    for (const Photograph& photograph : photographs) {
-        const Vec3 d = photograph.camera.forward, p = photograph.camera.position;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) {
-                const double m = (i == j ? 1.0 : 0.0) - d[i] * d[j];
-                sum[i][j] += m;
-                right[i] += m * p[j];
-            }
-    }
-    // Nearly parallel axes: the middle of all cameras' is as good as any other point along them.
-    if (std::abs(sum.determinant()) < 1e-9 * std::pow(double(photographs.size()), 3))
-        throw InvalidArgument(
-            "the cameras look along one line: what they see together cannot be told from them; say where it is");
-    return right * sum.inverse();
-}
-
-/// Half the edge of a cube about `center` that all pictures may show: what one does not show of it is not known.
-double seenAround(const std::vector<Photograph>& photographs, const Vec3& center) {
-    double least = std::numeric_limits<double>::max();
-    for (const Photograph& photograph : photographs) {
-        const PhotoCamera& camera = photograph.camera;
-        const bool orthographic = camera.projection == Camera::Projection::Orthographic;
-        const double depth = (center - camera.position).dot(camera.forward);
-        if (!orthographic && depth <= 0) continue;
-        const double perPixel = (orthographic ? 1 : depth) / std::min(camera.focalX, camera.focalY);
-        double half = 0.5 * std::max(camera.width, camera.height) * perPixel;
-        if (!orthographic) half = std::min(half, 0.9 * depth);
-        least = std::min(least, half);
-    }
-    if (least == std::numeric_limits<double>::max())
-        throw InvalidArgument("the cameras look at nothing in common; say where the object is");
-    return least;
-}
-
 }  // namespace
 
 std::vector<MaskedBrick> photoHull(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
@@ -191,25 +151,6 @@ std::vector<MaskedBrick> withNeighbours(const std::vector<MaskedBrick>& bricks, 
     });
     all.erase(std::remove_if(all.begin(), all.end(), [](const auto& b) { return b.mask == VoxelMask{}; }), all.end());
     return all;
-}
-
-Box3 photographedBox(const std::vector<Photograph>& photographs, float threshold) {
-    ReconstructionGrid grid;
-    grid.dims = Index3(96);
-    grid.center = lookedAt(photographs);
-    grid.spacing = 2 * seenAround(photographs, grid.center) / 96;
-    Box3 box;
-    for (const MaskedBrick& brick : photoHull(photographs, grid, threshold))
-        for (int i = 0; i < 512; ++i)
-            if (isSet(brick.mask, i >> 6, i >> 3 & 7, i & 7)) {
-                const Vec3 at =
-                    grid.voxel(brick.origin.x + (i >> 6), brick.origin.y + (i >> 3 & 7), brick.origin.z + (i & 7));
-                box.extendBy(at - Vec3(0.5 * grid.spacing));
-                box.extendBy(at + Vec3(0.5 * grid.spacing));
-            }
-    if (box.isEmpty())
-        throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
-    return box;
 }
 
 }  // namespace raysweep

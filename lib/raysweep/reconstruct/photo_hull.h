@@ -18,8 +18,4 @@ std::vector<MaskedBrick> photoHull(const std::vector<Photograph>& photographs, c
 /// `bricks`, and with each of their voxels the 26 around it.
 std::vector<MaskedBrick> withNeighbours(const std::vector<MaskedBrick>& bricks, const Index3& dims);
 
-/// A box around all that the photographs show: from where the cameras look, and then from the visual hull.
-/// @throw InvalidArgument if the cameras look at nothing in common, or their pictures show nothing.
-Box3 photographedBox(const std::vector<Photograph>& photographs, float threshold);
-
 }  // namespace raysweep
