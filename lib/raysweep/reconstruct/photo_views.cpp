@@ -57,14 +57,29 @@ RayShare shareOf(const PhotoCamera& camera, const Ray& ray, const CompositeRay& 
     return {float(depth * perDepth), float(step * perDepth)};
 }
 
-double squareOf(const float* pixel) {
+/// Between the middles of pixels by linear interpolation.
+std::array<float, 4> pixelAt(const Image& image, double x, double y) {
+    const double left = std::clamp(x - 0.5, 0.0, image.width - 1.0), top = std::clamp(y - 0.5, 0.0, image.height - 1.0);
+    const int x0 = int(left), y0 = int(top), x1 = std::min(x0 + 1, image.width - 1);
+    const int y1 = std::min(y0 + 1, image.height - 1);
+    const float u = float(left - x0), v = float(top - y0);
+    std::array<float, 4> pixel;
+    for (int c = 0; c < 4; ++c) {
+        const float upper = image.at(x0, y0)[c] * (1 - u) + image.at(x1, y0)[c] * u;
+        const float lower = image.at(x0, y1)[c] * (1 - u) + image.at(x1, y1)[c] * u;
+        pixel[std::size_t(c)] = upper * (1 - v) + lower * v;
+    }
+    return pixel;
+}
+
+double squareOf(const std::array<float, 4>& pixel) {
     double sum = 0;
-    for (int c = 0; c < 4; ++c) sum += double(pixel[c]) * pixel[c];
+    for (const float value : pixel) sum += double(value) * value;
     return sum;
 }
 
-/// From ray to ray, in voxels: a little more than one does no harm.
-constexpr double kLargestEdge = 1.25;
+/// From ray to ray, in voxels: a little more than one does no harm, and more rays know no more.
+constexpr double kLargestEdge = 1.25, kLargestHalf = 1.1;
 /// Of a square: what pixels are apart if only every other one is taken, as the black fields of a board.
 const double kDiagonal = std::sqrt(2.0);
 
@@ -124,7 +139,7 @@ void setRays(PhotoRays& to, const Photograph& picture, const ReconstructionGrid&
     const PhotoCamera& camera = picture.camera;
     const double edge = pixelEdge(camera, grid);
     const int parts = std::max(1, int(std::ceil(edge / kLargestEdge)));
-    const bool half = edge * kDiagonal <= kLargestEdge;
+    const bool half = edge * kDiagonal <= kLargestHalf;
     const int width = camera.width * parts, height = camera.height * parts;
     const int tilesAcross = (width + kTile - 1) / kTile, tilesDown = (height + kTile - 1) / kTile;
     std::vector<Tile> tiles(std::size_t(tilesAcross) * std::size_t(tilesDown));
@@ -137,11 +152,11 @@ void setRays(PhotoRays& to, const Photograph& picture, const ReconstructionGrid&
                 const Ray ray = pixelRay(camera, (x + 0.5) / parts, (y + 0.5) / parts);
                 const CompositeRay line =
                     compositeRay(layout, {(ray.origin - first) / grid.spacing, ray.direction}, perSlice);
-                const float* pixel = picture.matte.at(x / parts, y / parts);
+                const std::array<float, 4> pixel = pixelAt(picture.matte, (x + 0.5) / parts, (y + 0.5) / parts);
                 if (meetsBricks(layout, line)) {
                     tiles[n].rays.push_back(line);
                     tiles[n].shares.push_back(shareOf(camera, ray, line, grid, half ? 1 / kDiagonal : parts));
-                    tiles[n].pixels.push_back({pixel[0], pixel[1], pixel[2], pixel[3]});
+                    tiles[n].pixels.push_back(pixel);
                 } else {
                     tiles[n].missed += squareOf(pixel);
                 }

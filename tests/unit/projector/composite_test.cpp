@@ -313,6 +313,32 @@ TEST(Composite, DerivativeIsTheAdjoint) {
     });
 }
 
+// What samples are spread by is the transpose of what they are interpolated by: with A the latter, x·AᵀAx = |Ax|².
+TEST(Composite, SpreadIsTheTransposeOfSampling) {
+    const Volume volume = randomVolume({40, 32, 48}, 0.02, 3);
+    for (const int perSlice : {1, 2})
+        for (const Rays& rays : manyRays(volume.layout, perSlice)) {
+            SCOPED_TRACE(rays.name + ", " + std::to_string(perSlice) + " a slice");
+            std::vector<CompositeVoxel> sums(volume.voxels.size());
+            std::vector<double> squares(rays.rays.size());
+            CompositeTape tape;
+            const auto rule = [&](std::size_t r, const RaySamples& samples, CompositeVoxel* values) {
+                std::copy_n(samples.samples, samples.count, values);
+                for (std::size_t i = 0; i < samples.count; ++i)
+                    for (int c = 0; c < kChannels4; ++c)
+                        squares[r] += double(channelOf(samples.samples[i], c)) * channelOf(samples.samples[i], c);
+            };
+            compositeSpread(volume.layout, volume.voxels.data(), rays.rays, rule, tape, sums.data());
+            double back = 0, forth = 0;
+            for (const double square : squares) forth += square;
+            for (std::size_t i = 512; i < sums.size(); ++i)
+                for (int c = 0; c < kChannels4; ++c)
+                    back += double(channelOf(sums[i], c)) * channelOf(volume.voxels[i], c);
+            ASSERT_GT(forth, 100);
+            EXPECT_NEAR(back / forth, 1, 1e-6);  // sums of floats of one sign
+        }
+}
+
 // Of single voxels: central differences of the twin in double, steps small enough (1e-4) that their own error is 1e-8.
 TEST(Composite, DerivativeLikeDifferences) {
     const Volume volume = randomVolume({24, 24, 24}, 0.2, 3);
