@@ -24,19 +24,19 @@
 namespace raysweep {
 
 struct PhotoFitOptions {
-    int resolution = 128;              ///< voxels along the longest edge of the box, multiple of 8, 16 to 1024
+    int resolution = 256;              ///< voxels along the longest edge of the box, multiple of 8, 16 to 1024
     std::optional<Box3> box;           ///< of the volume, world units; without it what the photographs show
-    int levels = 2;                    ///< grids, each twice as fine as the one before, > 0
-    double coarsePasses = 3;           ///< how often each pixel is used in each coarse grid, > 0
-    double passes = 12;                ///< and in the finest, > 0
+    int levels = 3;                    ///< grids, each twice as fine as the one before, > 0
+    double coarsePasses = 1.5;         ///< how often each pixel is used in each coarse grid, > 0
+    double passes = 4;                 ///< and in the finest, > 0
     int pictureSize = 400;             ///< pictures whose longer edge is twice this or more are reduced, pixels, > 0
     int samplesPerSlice = 2;           ///< of rays, from slice to slice, > 0
     int raysPerUpdate = 16384;         ///< > 0
-    double extinctionRate = 0.05;      ///< first step of extinction, 1/edge of a voxel, > 0
+    double extinctionRate = 0.1;       ///< first step of extinction, 1/edge of a voxel, > 0
     double colorRate = 0.02;           ///< first step of the square root of colours, > 0
     double lastRate = 0.1;             ///< part of the rates that is left at the end of a grid, in (0,1]
-    double smoothExtinction = 1e-4;    ///< weight of extinction's total variation, >= 0
-    double smoothColor = 3e-4;         ///< weight of the colours' total variation, >= 0
+    double smoothExtinction = 3e-2;    ///< weight of extinction's total variation, >= 0
+    double smoothColor = 3e-2;         ///< weight of the colours' total variation, >= 0
     double sparsity = 1e-3;            ///< weight of log(1 + 2 extinction²), >= 0
     double backdrop = 0.5;             ///< mean of the backdrops that pictures are compared on, in [0,1]
     double backdropSpread = 1.0 / 12;  ///< their variance, > 0

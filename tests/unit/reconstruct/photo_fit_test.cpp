@@ -255,15 +255,19 @@ TEST(PhotoHull, HoldsTheBall) {
                 inside += kept;
             }
     const double volume = 4.0 / 3 * kPi * std::pow(ball.radius / grid.spacing, 3);
-    EXPECT_LT(inside, 2.2 * volume);
+    EXPECT_LT(inside, 2 * volume);
 }
 
+// What is known of the ball: all of its extinction, and how it is inside. Voxels of a fifth of the radius, and
+// smoothness, round its edge: found are a mass 3.2 % too small, 3.5 % too much extinction well inside, a colour 1.1 %
+// too bright, and pixels that differ by 36.1 dB; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
 TEST(PhotoFit, BallFromTwelveViews) {
     const Ball ball;
     const PhotoFitResult result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
     EXPECT_EQ(result.termination, PhotoFitTermination::passes);
     ASSERT_FALSE(result.history.empty());
-    EXPECT_GT(result.history.back().leftOut, 34);
+    EXPECT_GT(result.history.back().fitted, 35.8);
+    EXPECT_GT(result.history.back().leftOut, 35.8);
     double mass = 0, inside = 0, count = 0, color = 0;
     for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Vec3d at = result.density->indexToWorld(voxel.getCoord());
@@ -274,9 +278,9 @@ TEST(PhotoFit, BallFromTwelveViews) {
         ++count;
     }
     const double expected = ball.extinction * 4.0 / 3 * kPi * std::pow(ball.radius, 3);
-    EXPECT_NEAR(mass * std::pow(2.0 / 16, 3), expected, 0.05 * expected);
-    EXPECT_NEAR(inside / count, ball.extinction, 0.15 * ball.extinction);
-    EXPECT_NEAR(color / count, ball.color[0], 0.05 * ball.color[0]);
+    EXPECT_NEAR(mass * std::pow(2.0 / 16, 3), expected, 0.035 * expected);
+    EXPECT_NEAR(inside / count, ball.extinction, 0.038 * ball.extinction);
+    EXPECT_NEAR(color / count, ball.color[0], 0.012 * ball.color[0]);
 }
 
 TEST(PhotoFit, SameBitsForAnyThreads) {
