@@ -14,6 +14,9 @@
 #pragma once
 
 #include "raysweep/camera/camera.h"
+#include "raysweep/camera/object_bounds.h"
+#include "raysweep/camera/pose_check.h"
+#include "raysweep/camera/poses.h"
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/camera/projections.h"
 #include "raysweep/formats/volume_import.h"
@@ -27,6 +30,7 @@
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/reconstruct/photo.h"
+#include "raysweep/reconstruct/photo_fit.h"
 #include "raysweep/reconstruct/reconstruct.h"
 #include "raysweep/reconstruct/sart.h"
 #include "raysweep/render/lit_volume.h"

@@ -6,11 +6,15 @@
 #include "raysweep/core/require.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace raysweep {
 namespace {
+
+constexpr double kFarthest = std::numeric_limits<double>::infinity();
 
 /// Cubic cells that fill a box; those at its ends may reach beyond it.
 struct Cells {
@@ -18,17 +22,11 @@ struct Cells {
     double edge;
     Index3 size;
 
-    explicit Cells(const Box3& box) {
+    explicit Cells(const Box3& box) : origin(box.min) {
         constexpr int kAlongLongest = 64;
         const Vec3 extent = box.size();
         edge = std::max({extent.x, extent.y, extent.z}) / kAlongLongest;
         for (int axis = 0; axis < 3; ++axis) size[axis] = std::max(1, int(std::ceil(extent[axis] / edge - 1e-9)));
-        origin = box.min;
-    }
-    std::size_t count() const { return std::size_t(size.x) * size.y * size.z; }
-    Index3 at(std::size_t n) const {
-        const int i = int(n);  // there are at most 64³
-        return Index3(i % size.x, i / size.x % size.y, i / size.x / size.y);
     }
     Vec3 corner(const Index3& cell) const { return origin + Vec3(cell) * edge; }
 };
@@ -42,15 +40,43 @@ Box3 intersection(const Box3& a, const Box3& b) {
     return box;
 }
 
-/// The box of the cells that are kept, and one more around them, within `limit`; empty if none is.
-Box3 boxOfCells(const Cells& cells, const std::vector<std::uint8_t>& kept, const Box3& limit) {
-    Box3 box;
-    for (std::size_t n = 0; n < kept.size(); ++n) {
-        if (!kept[n]) continue;
-        box.extendBy(cells.corner(cells.at(n) - Index3(1)));
-        box.extendBy(cells.corner(cells.at(n) + Index3(2)));
+/// A box of cells, the last one included.
+struct CellRange {
+    Index3 first, last;
+
+    bool isEmpty() const { return last.x < first.x || last.y < first.y || last.z < first.z; }
+    int length(int axis) const { return last[axis] - first[axis] + 1; }
+};
+
+/// Whether any cell of the range is kept, where its number along `axis` is `at`.
+template <class IsKept>
+bool anyInPlane(const CellRange& range, int axis, int at, const IsKept& isKept) {
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::atomic<bool> any{false};
+    parallelFor(std::size_t(range.length(v)), [&](std::size_t row) {
+        Index3 cell;
+        cell[axis] = at;
+        cell[v] = range.first[v] + int(row);
+        for (int n = 0; n < range.length(u) && !any; ++n) {
+            cell[u] = range.first[u] + n;
+            if (isKept(cell)) any = true;
+        }
+    });
+    return any;
+}
+
+/// The box of the cells that are kept, and one more around them, within `box`, whose cells they are; empty if none is.
+/// Planes of cells are taken away from each side until one has a cell to keep: those inside are not looked at.
+/// @param isKept function of a cell's coordinates, called by several threads
+template <class IsKept>
+Box3 boxOfKept(const Box3& box, const Cells& cells, const IsKept& isKept) {
+    CellRange range{Index3(0), cells.size - Index3(1)};
+    for (int axis = 0; axis < 3; ++axis) {
+        while (!range.isEmpty() && !anyInPlane(range, axis, range.first[axis], isKept)) ++range.first[axis];
+        while (!range.isEmpty() && !anyInPlane(range, axis, range.last[axis], isKept)) --range.last[axis];
     }
-    return box.isEmpty() ? box : intersection(box, limit);
+    if (range.isEmpty()) return Box3();
+    return intersection(Box3(cells.corner(range.first - Index3(1)), cells.corner(range.last + Index3(2))), box);
 }
 
 /// Repeats `shrink`, box to box, while it pays: cells get smaller with the box.
@@ -68,12 +94,9 @@ Box3 shrunkWhileItPays(Box3 box, const Shrink& shrink) {
     return box;
 }
 
-bool isInside(const PhotoCamera& camera, const std::optional<Projected>& seen) {
-    return seen && seen->x >= 0 && seen->x <= camera.width && seen->y >= 0 && seen->y <= camera.height;
-}
-
 bool sees(const PhotoCamera& camera, const Vec3& point) {
-    return isInside(camera, project(camera, point));
+    const auto seen = project(camera, point);
+    return seen && seen->x >= 0 && seen->x <= camera.width && seen->y >= 0 && seen->y <= camera.height;
 }
 
 /// The radius of the largest ball about `middle` that the view sees whole, but for distortion; negative if it does not
@@ -138,42 +161,62 @@ struct CoverTable {
     bool anyIn(int x0, int y0, int x1, int y1) const { return at(x1, y1) + at(x0, y0) != at(x0, y1) + at(x1, y0); }
 };
 
+/// What a matte says about places in the world.
+struct Silhouette {
+    const PhotoCamera& camera;
+    CoverTable cover;
+    bool isWhole;  ///< the picture cuts nothing off: what lies beside it is empty
+
+    explicit Silhouette(const Photograph& photograph)
+        : camera(photograph.camera), cover(photograph.matte), isWhole(!reachesEdge(photograph.matte)) {
+        if (cover.at(camera.width, camera.height) == 0)
+            throw InvalidArgument("the photograph '" + photograph.name +
+                                  "' shows nothing: its matte is empty; leave it out, or change how it is matted");
+    }
+
+    static bool reachesEdge(const Image& matte) {
+        constexpr float kSurely = 0.5f;  ///< alpha
+        for (int y = 0; y < matte.height; ++y)
+            for (int x = 0; x < matte.width; x += y == 0 || y == matte.height - 1 ? 1 : std::max(1, matte.width - 1))
+                if (matte.at(x, y)[3] > kSurely) return true;
+        return false;
+    }
+};
+
 enum class Said { nothing, empty, covered };
 
 /// What a view says about a cell: the pixels are those of the rectangle around its projected corners.
-Said saidOf(const PhotoCamera& camera, const CoverTable& cover, const Vec3& corner, double edge) {
-    double x0 = camera.width, y0 = camera.height, x1 = 0, y1 = 0;
+Said saidOf(const Silhouette& silhouette, const Vec3& corner, double edge) {
+    const PhotoCamera& camera = silhouette.camera;
+    double x0 = kFarthest, y0 = kFarthest, x1 = -kFarthest, y1 = -kFarthest;
+    int projected = 0;
     for (int n = 0; n < 8; ++n) {
         const auto seen = project(camera, corner + Vec3(n & 1, n >> 1 & 1, n >> 2) * edge);
-        if (!isInside(camera, seen)) return Said::nothing;
+        if (!seen) continue;
+        ++projected;
         x0 = std::min(x0, seen->x), y0 = std::min(y0, seen->y);
         x1 = std::max(x1, seen->x), y1 = std::max(y1, seen->y);
     }
-    const auto end = [](double at, int size) { return std::min(int(at) + 1, size); };
-    const bool any = cover.anyIn(std::min(int(x0), camera.width - 1), std::min(int(y0), camera.height - 1),
-                                 end(x1, camera.width), end(y1, camera.height));
-    return any ? Said::covered : Said::empty;
+    const Said beside = silhouette.isWhole ? Said::empty : Said::nothing;
+    if (projected < 8) return projected == 0 ? beside : Said::nothing;
+    if (x1 < 0 || y1 < 0 || x0 >= camera.width || y0 >= camera.height) return beside;
+    const auto within = [](double at, int size) { return int(std::clamp(at, 0.0, double(size - 1))); };
+    if (silhouette.cover.anyIn(within(x0, camera.width), within(y0, camera.height), within(x1, camera.width) + 1,
+                               within(y1, camera.height) + 1))
+        return Said::covered;
+    const bool isInside = x0 >= 0 && y0 >= 0 && x1 <= camera.width && y1 <= camera.height;
+    return isInside ? Said::empty : beside;
 }
 
-/// Keeps the cells that no photograph says to be empty, and enough of them to be covered.
-Box3 hullBounds(const std::vector<Photograph>& photographs, const Box3& box) {
-    const Cells cells(box);
-    std::vector<std::uint8_t> kept(cells.count(), 1);
-    std::vector<std::uint32_t> covered(cells.count());
-    for (const Photograph& photograph : photographs) {
-        const CoverTable cover(photograph.matte);
-        parallelFor(
-            cells.count(),
-            [&](std::size_t n) {
-                if (!kept[n]) return;
-                const Said said = saidOf(photograph.camera, cover, cells.corner(cells.at(n)), cells.edge);
-                kept[n] = said != Said::empty;
-                covered[n] += said == Said::covered;
-            },
-            4096);
+/// A cell is kept if no photograph says that it is empty, and enough of them that it is covered.
+bool isCovered(const std::vector<Silhouette>& silhouettes, const Vec3& corner, double edge) {
+    std::size_t covered = 0;
+    for (const Silhouette& silhouette : silhouettes) {
+        const Said said = saidOf(silhouette, corner, edge);
+        if (said == Said::empty) return false;
+        covered += said == Said::covered;
     }
-    for (std::size_t n = 0; n < kept.size(); ++n) kept[n] = kept[n] && 4 * covered[n] >= photographs.size();
-    return boxOfCells(cells, kept, box);
+    return 4 * covered >= silhouettes.size();
 }
 
 void requirePhotograph(const Photograph& photograph) {
@@ -181,28 +224,49 @@ void requirePhotograph(const Photograph& photograph) {
     const Image& matte = photograph.matte;
     if (matte.channels != 4 || matte.width != photograph.camera.width || matte.height != photograph.camera.height)
         throw InvalidArgument(name + ": its matte must be RGBA of its camera's size");
-    const CoverTable cover(matte);
-    if (cover.at(matte.width, matte.height) == 0)
-        throw InvalidArgument(name + " shows nothing: its matte is empty; leave it out, or change how it is matted");
+}
+
+/// The point with the least weighted sum of squared distances to lines; none if they are nearly parallel.
+std::optional<Vec3> nearestPoint(const std::vector<Ray>& lines, const std::vector<double>& weights) {
+    Matrix3 normal(0.0);
+    Vec3 right(0);
+    double sum = 0;
+    for (std::size_t n = 0; n < lines.size(); ++n) {
+        const Vec3& d = lines[n].direction;
+        right += (lines[n].origin - d * d.dot(lines[n].origin)) * weights[n];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) normal[i][j] += weights[n] * ((i == j) - d[i] * d[j]);
+        sum += weights[n];
+    }
+    // Two lines at an angle a have a determinant of sin²(a) / 4.
+    constexpr double kLeastAngle = 0.5 * kPi / 180;
+    const Matrix3 mean = normal * (1 / sum);
+    if (!(mean.determinant() > kLeastAngle * kLeastAngle / 4)) return std::nullopt;
+    return right / sum * mean.inverse();  // it is symmetric
 }
 
 }  // namespace
 
 std::optional<Vec3> middleOfViews(const std::vector<Pose>& views) {
-    Matrix3 normal(0.0);
-    Vec3 right(0);
-    for (const Pose& pose : views) {
-        const Ray ray = pixelRay(pose.camera, 0.5 * pose.camera.width, 0.5 * pose.camera.height);
-        const Vec3 &d = ray.direction, aside = ray.origin - d * d.dot(ray.origin);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) normal[i][j] += (i == j) - d[i] * d[j];
-        right += aside;
+    constexpr int kSteps = 50;
+    constexpr double kNear = 1e-6;  ///< of the typical distance of cameras: lines count no more when they are nearer
+    std::vector<Ray> axes;
+    for (const Pose& pose : views)
+        axes.push_back(pixelRay(pose.camera, 0.5 * pose.camera.width, 0.5 * pose.camera.height));
+    std::optional<Vec3> middle = nearestPoint(axes, std::vector<double>(axes.size(), 1.0));
+    if (!middle) return middle;
+    std::vector<double> distances;
+    for (const Ray& axis : axes) distances.push_back((axis.origin - *middle).length());
+    const double near = std::max(kNear * quantile(distances, 0.5), std::numeric_limits<double>::min());
+    for (int step = 0; step < kSteps && middle; ++step) {
+        std::vector<double> weights;
+        for (const Ray& axis : axes)
+            weights.push_back(near / std::max(near, (*middle - axis.origin).cross(axis.direction).length()));
+        const std::optional<Vec3> next = nearestPoint(axes, weights);
+        if (!next) break;  // what is left is parallel
+        middle = next;
     }
-    // Two axes at an angle a have a determinant of sin²(a) / 4.
-    constexpr double kLeastAngle = 0.5 * kPi / 180;
-    const double count = std::max(1.0, double(views.size()));
-    if (!((normal * (1 / count)).determinant() > kLeastAngle * kLeastAngle / 4)) return std::nullopt;
-    return right * normal.inverse();  // it is symmetric
+    return middle;
 }
 
 std::optional<Box3> boundsOfPoints(const Poses& poses) {
@@ -248,16 +312,11 @@ Box3 boundsSeenByAll(const std::vector<Pose>& views) {
     const Vec3 reach(4 * radius);
     return shrunkWhileItPays(Box3(*middle - reach, *middle + reach), [&](const Box3& box) {
         const Cells cells(box);
-        std::vector<std::uint8_t> kept(cells.count());
-        parallelFor(
-            cells.count(),
-            [&](std::size_t n) {
-                const Vec3 center = cells.corner(cells.at(n)) + Vec3(0.5 * cells.edge);
-                kept[n] = std::all_of(cameras.begin(), cameras.end(),
-                                      [&](const PhotoCamera* camera) { return sees(*camera, center); });
-            },
-            4096);
-        return boxOfCells(cells, kept, box);
+        return boxOfKept(box, cells, [&](const Index3& cell) {
+            const Vec3 center = cells.corner(cell) + Vec3(0.5 * cells.edge);
+            return std::all_of(cameras.begin(), cameras.end(),
+                               [&](const PhotoCamera* camera) { return sees(*camera, center); });
+        });
     });
 }
 
@@ -271,8 +330,16 @@ Box3 boundsOf(const std::vector<Photograph>& photographs, const Box3& start) {
     if (!start.hasVolume() || !isFinite(start.min) || !isFinite(start.max))
         throw InvalidArgument("bounds to begin with are empty or not finite");
     if (photographs.empty()) throw InvalidArgument("there are no photographs to find bounds with");
-    for (const Photograph& photograph : photographs) requirePhotograph(photograph);
-    const Box3 box = shrunkWhileItPays(start, [&](const Box3& from) { return hullBounds(photographs, from); });
+    std::vector<Silhouette> silhouettes;
+    for (const Photograph& photograph : photographs) {
+        requirePhotograph(photograph);
+        silhouettes.emplace_back(photograph);
+    }
+    const Box3 box = shrunkWhileItPays(start, [&](const Box3& from) {
+        const Cells cells(from);
+        return boxOfKept(from, cells,
+                         [&](const Index3& cell) { return isCovered(silhouettes, cells.corner(cell), cells.edge); });
+    });
     if (box.isEmpty())
         throw InvalidArgument(
             "no place within the bounds is covered by the object in all photographs that show it: "

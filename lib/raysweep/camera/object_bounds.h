@@ -9,8 +9,8 @@
 
 namespace raysweep {
 
-/// The point with the least sum of squared distances to the lines through the middles of the pictures; none if they are
-/// parallel, or nearly so (half a degree). World units.
+/// The point with the least sum of distances to the lines through the middles of the pictures, so that a few that look
+/// elsewhere do not matter; none if all are parallel, or nearly so (half a degree). World units.
 std::optional<Vec3> middleOfViews(const std::vector<Pose>& views);
 
 /// The box of most points: those that at least half of the views see (if that is enough of them), without the farthest
@@ -26,8 +26,9 @@ Box3 boundsSeenByAll(const std::vector<Pose>& views);
 Box3 estimatedBounds(const Poses& poses);
 
 /// The box of what the silhouettes leave of `start`: places that every photograph which shows them has its object at
-/// (a visual hull of some 64 cells along the box's longest edge), and a cell around them. Never beyond `start`. Where
-/// less than a quarter of the photographs look is left out.
+/// (a visual hull of some 64 cells along the box's longest edge), and a cell around them. Never beyond `start`. What
+/// lies beside a picture is empty, unless its object reaches its edge: then that picture says nothing about it. Where
+/// less than a quarter of the photographs have their object is left out.
 /// @throw InvalidArgument if `start` is empty or not finite, there is no photograph, one is not of its camera's size,
 /// its matte is empty (it is named), or nothing is left
 Box3 boundsOf(const std::vector<Photograph>& photographs, const Box3& start);

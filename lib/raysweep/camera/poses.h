@@ -44,9 +44,9 @@ struct PoseOptions {
 /// - COLMAP's models as text or binary: the folder, a file of it, or a folder with sparse/0 in it;
 /// - Middlebury's lists: a line with the number of pictures, then in each "name K R t" by rows, projection K [R t];
 /// - lists of projection matrices, "name P" by rows in each line.
-/// The latter two have integers in the middle of pixels (as Middlebury's own tools and OpenCV do), so half a pixel is
-/// added; the others have them at edges, as this library does. A picture's size is read from itself where the file has
-/// none.
+/// The latter two are taken to have integers in the middle of pixels, as OpenCV and Matlab's tools do, so half a pixel
+/// is added (their formats do not say it, and Middlebury's calibration is no better than a pixel); the others have them
+/// at edges, as this library does. A picture's size is read from itself where the file has none.
 /// @throw IoError that names file, line or frame, and what to do, if there is no pose, a picture is missing or named
 /// twice, a model is not known (fisheye lenses), or a rotation is none (to 1e-3).
 Poses readPoses(const std::string& path, const PoseOptions& options = {});

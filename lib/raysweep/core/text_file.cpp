@@ -18,7 +18,7 @@ std::string bytesOfFile(const std::string& path, const std::string& wanted) {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream bytes;
     bytes << in.rdbuf();
-    if (!in) throw IoError("reading failed, or it is empty");
+    if (!in) throw IoError("reading failed; may it be read?");
     return bytes.str();
 }
 

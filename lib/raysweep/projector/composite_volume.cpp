@@ -61,6 +61,11 @@ std::size_t CompositeLayout::keptVoxels() const {
 }
 
 CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBrick>& bricks) {
+    return compositeLayout(dims, bricks, bricks);
+}
+
+CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBrick>& bricks,
+                                const std::vector<MaskedBrick>& seen) {
     CompositeLayout layout;
     layout.dims = dims;
     for (int axis = 0; axis < 3; ++axis) {
@@ -78,11 +83,12 @@ CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBric
         layout.table[flat(place, layout.tableDims)] = std::int32_t(layout.origins.size());
         layout.origins.push_back(brick.origin);
         layout.masks.push_back(brick.mask);
-        for (int x = 0; x < 8; ++x)
-            for (int y = 0; y < 8; ++y)
-                for (int z = 0; z < 8; ++z)
-                    if (isSet(brick.mask, x, y, z)) markCells(layout, brick.origin + Index3(x, y, z));
     }
+    for (const MaskedBrick& brick : seen)
+        for (int i = 0; i < 512; ++i) {
+            const Index3 within(i >> 6, i >> 3 & 7, i & 7);
+            if (isSet(brick.mask, within.x, within.y, within.z)) markCells(layout, brick.origin + within);
+        }
     measureDistances(layout);
     return layout;
 }

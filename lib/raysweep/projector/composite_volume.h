@@ -55,6 +55,11 @@ struct MaskedBrick {
 };
 
 /// @param bricks at most one for each place; those with empty masks are left out
+/// @param seen bricks of those voxels that may have extinction: rays take samples near these only
+CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBrick>& bricks,
+                                const std::vector<MaskedBrick>& seen);
+
+/// All that is kept is seen.
 CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBrick>& bricks);
 
 }  // namespace raysweep

@@ -1,7 +1,7 @@
 #include "raysweep/reconstruct/photo.h"
 
+#include "raysweep/camera/object_bounds.h"
 #include "raysweep/core/require.h"
-#include "raysweep/reconstruct/photo_hull.h"
 #include "raysweep/reconstruct/photo_views.h"
 
 #include <algorithm>
@@ -16,10 +16,21 @@ int passesOf(const PhotoOptions& options) {
     return options.method == PhotoMethod::consistent ? 4 : 12;
 }
 
+/// Where all cameras look, as far as silhouettes leave it.
+Box3 shownBox(const std::vector<Photograph>& photographs) {
+    std::vector<Pose> poses;
+    for (const Photograph& photograph : photographs) {
+        Pose pose;
+        pose.camera = photograph.camera;
+        poses.push_back(pose);
+    }
+    return boundsOf(photographs, boundsSeenByAll(poses));
+}
+
 ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const PhotoOptions& options) {
     if (options.grid) return *options.grid;
     if (options.reference && !options.box) return reconstructionGrid({}, {}, options.reference->density.get());
-    const Box3 box = options.box ? *options.box : photographedBox(photographs, float(PhotoSartOptions().hullThreshold));
+    const Box3 box = options.box ? *options.box : shownBox(photographs);
     return photoGrid(box, options.resolution);
 }
 

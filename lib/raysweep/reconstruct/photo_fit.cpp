@@ -2,7 +2,7 @@
 // derivative of their loss (compositeGradient), now and then smoothness, a step of all bricks.
 #include "raysweep/reconstruct/photo_fit.h"
 
-#include "raysweep/core/denormals.h"
+#include "raysweep/camera/object_bounds.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/projector/composite.h"
@@ -53,17 +53,18 @@ struct Level {
     CompositeLayout layout;
     std::vector<CompositeVoxel> voxels, gradient;
     std::vector<AdamMoments> moments;
+    std::vector<VoxelMask> solid;  ///< voxels that may have extinction; those around them are kept for their colour,
+                                   ///< which samples between both take their part of
 };
 
-/// All pixels of all pictures, numbered picture after picture in tiles of 4x4, and these in blocks of 2x2.
+/// All pixels of all pictures, numbered picture after picture, row after row.
 class Pixels {
   public:
     explicit Pixels(const std::vector<Photograph>& photographs) : photographs_(photographs) {
         std::uint64_t total = 0;
         for (const Photograph& photograph : photographs) {
             firsts_.push_back(std::uint32_t(total));
-            total += std::uint64_t(tilesAlong(photograph.matte.width)) *
-                     std::uint64_t(tilesAlong(photograph.matte.height)) * 16;
+            total += std::uint64_t(photograph.matte.width) * std::uint64_t(photograph.matte.height);
         }
         requireField(total < (std::uint64_t(1) << 32), "pixels", total, "fewer than 2^32 in all pictures; reduce them");
         count_ = std::uint32_t(total);
@@ -74,15 +75,12 @@ class Pixels {
     struct Place {
         const Photograph* photograph;
         int view, x, y;
-        bool isInside() const { return x < photograph->matte.width && y < photograph->matte.height; }
     };
     Place place(std::uint32_t pixel) const {
         const auto view = std::upper_bound(firsts_.begin(), firsts_.end(), pixel) - firsts_.begin() - 1;
         const Photograph& photograph = photographs_[std::size_t(view)];
-        const int number = int(pixel - firsts_[std::size_t(view)]), tile = number >> 4;
-        const int across = tilesAlong(photograph.matte.width);
-        return {&photograph, int(view), tile % across * 4 + (number & 1) + (number >> 1 & 2),
-                tile / across * 4 + (number >> 1 & 1) + (number >> 2 & 2)};
+        const int number = int(pixel - firsts_[std::size_t(view)]), width = photograph.matte.width;
+        return {&photograph, int(view), number % width, number / width};
     }
 
     CompositeRay ray(std::uint32_t pixel, const Level& level, int perSlice) const {
@@ -98,8 +96,6 @@ class Pixels {
     }
 
   private:
-    static int tilesAlong(int pixels) { return (pixels + 3) / 4; }
-
     const std::vector<Photograph>& photographs_;
     std::vector<std::uint32_t> firsts_;
     std::uint32_t count_ = 0;
@@ -127,7 +123,6 @@ PixelSets pixelsMeeting(const Pixels& pixels, const Level& level, const PhotoFit
     parallelFor(parts.size(), [&](std::size_t n) {
         const std::uint32_t first = std::uint32_t(n) * kTogether;
         for (std::uint32_t p = first; p < std::min(pixels.count(), first + kTogether); ++p) {
-            if (!pixels.place(p).isInside()) continue;
             if (!meetsBricks(level.layout, pixels.ray(p, level, options.samplesPerSlice))) continue;
             (isLeftOut(pixels.place(p), options) ? parts[n].leftOut : parts[n].fitted).push_back(p);
         }
@@ -140,18 +135,9 @@ PixelSets pixelsMeeting(const Pixels& pixels, const Level& level, const PhotoFit
     return all;
 }
 
-/// Shuffles pixels, those of a block staying together.
-std::vector<std::uint32_t> shuffled(const std::vector<std::uint32_t>& pixels, int bits, std::mt19937& random) {
-    std::vector<std::uint32_t> starts;
-    for (std::size_t i = 0; i < pixels.size(); ++i)
-        if (i == 0 || pixels[i] >> bits != pixels[i - 1] >> bits) starts.push_back(std::uint32_t(i));
-    for (std::size_t i = starts.size(); i > 1; --i) std::swap(starts[i - 1], starts[random() % i]);
-    std::vector<std::uint32_t> to;
-    to.reserve(pixels.size());
-    for (const std::uint32_t start : starts)
-        for (std::size_t i = start; i < pixels.size() && pixels[i] >> bits == pixels[start] >> bits; ++i)
-            to.push_back(pixels[i]);
-    return to;
+std::vector<std::uint32_t> shuffled(std::vector<std::uint32_t> pixels, std::mt19937& random) {
+    for (std::size_t i = pixels.size(); i > 1; --i) std::swap(pixels[i - 1], pixels[random() % i]);
+    return pixels;
 }
 
 /// Rays of some pixels, in the order of their axes, and what they should see.
@@ -167,14 +153,19 @@ struct Batch {
         unsorted_.resize(count);
         parallelFor(
             count, [&](std::size_t i) { unsorted_[i] = all.ray(pixels[i], level, perSlice); }, 256);
-        rays.clear();
-        targets.clear();
+        order_.clear();
         for (int axis = 0; axis < 3; ++axis)
             for (std::size_t i = 0; i < count; ++i)
-                if (unsorted_[i].axis == axis) {
-                    rays.push_back(unsorted_[i]);
-                    targets.push_back(all.target(pixels[i]));
-                }
+                if (unsorted_[i].axis == axis) order_.push_back(i);
+        rays.resize(count);
+        targets.resize(count);
+        parallelFor(
+            count,
+            [&](std::size_t i) {
+                rays[i] = unsorted_[order_[i]];
+                targets[i] = all.target(pixels[order_[i]]);
+            },
+            256);
         errors.assign(count, 0);
     }
 
@@ -185,6 +176,7 @@ struct Batch {
 
   private:
     std::vector<CompositeRay> unsorted_;
+    std::vector<std::size_t> order_;
 };
 
 /// Edges of the grids, the coarsest first.
@@ -243,6 +235,10 @@ class Interpolated {
     const Level& level_;
 };
 
+bool isSolid(const Level& level, std::size_t voxel) {
+    return isSet(level.solid[voxel >> 9], int(voxel >> 6 & 7), int(voxel >> 3 & 7), int(voxel & 7));
+}
+
 /// Calls `body(voxel's index, its place)` for all voxels that are kept, several bricks at a time.
 template <class Body>
 void forKept(const Level& level, const Body& body) {
@@ -256,21 +252,31 @@ void forKept(const Level& level, const Body& body) {
     });
 }
 
-void allocate(Level& level) {
+/// A level with these voxels, all 0.
+Level emptyLevel(const ReconstructionGrid& grid, const std::vector<MaskedBrick>& solid) {
+    Level level;
+    level.grid = grid;
+    level.layout = compositeLayout(grid.dims, withNeighbours(solid, grid.dims), solid);
+    level.solid.assign(level.layout.brickCount(), {});
+    for (const MaskedBrick& brick : solid)
+        if (brick.mask != VoxelMask{}) level.solid[level.layout.voxel(brick.origin) / 512] = brick.mask;
+
     level.voxels.assign(level.layout.voxelCount(), {});
     level.gradient.assign(level.layout.voxelCount(), {});
     level.moments.assign(level.layout.voxelCount(), {});
+    return level;
 }
 
 /// The first grid: all of the hull in the same grey haze.
 Level firstLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
                  const PhotoFitOptions& options) {
-    Level level;
-    level.grid = grid;
-    level.layout = compositeLayout(grid.dims, photoHull(photographs, grid, float(options.hullThreshold)));
-    allocate(level);
+    Level level = emptyLevel(grid, photoHull(photographs, grid, float(options.hullThreshold)));
+    if (level.layout.brickCount() == 1)
+        throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
     constexpr float kHaze = 0.05f, kGrey = 0.25f;
-    forKept(level, [&](std::size_t i, const Index3&) { level.voxels[i] = {kHaze, kGrey, kGrey, kGrey}; });
+    forKept(level, [&](std::size_t i, const Index3&) {
+        level.voxels[i] = {isSolid(level, i) ? kHaze : 0, kGrey, kGrey, kGrey};
+    });
     return level;
 }
 
@@ -288,15 +294,12 @@ Level finerLevel(const Level& coarse, const std::vector<Photograph>& photographs
             if (most < options.prune) brick.mask[std::size_t(i >> 6)] &= ~(std::uint64_t(1) << (i & 63));
         }
     });
-    Level level;
-    level.grid = grid;
-    level.layout = compositeLayout(grid.dims, bricks);
-    allocate(level);
+    Level level = emptyLevel(grid, bricks);
     const float finer = float(grid.spacing / coarse.grid.spacing);
     forKept(level, [&](std::size_t i, const Index3& at) {
         float most;
         level.voxels[i] = from.at(grid.voxel(at.x, at.y, at.z), most);
-        level.voxels[i].extinction *= finer;
+        level.voxels[i].extinction *= isSolid(level, i) ? finer : 0;
     });
     return level;
 }
@@ -323,7 +326,7 @@ class LevelFit {
         const int updates = std::max(1, int(std::lround(passes * double(perPass))));
         bool goesOn = true;
         for (int n = 0; n < updates && goesOn; ++n) {
-            if (std::size_t(n) % perPass == 0) order_ = shuffled(sets_.fitted, options_.blockBits, random_);
+            if (std::size_t(n) % perPass == 0) order_ = shuffled(sets_.fitted, random_);
             update(n, double(n) / updates, std::size_t(n) % perPass);
             if (std::size_t(n) % perPass == perPass - 1 || n == updates - 1) addPoint();
             goesOn = report(progress, "fitting " + std::to_string(level_.grid.dims.x),
@@ -375,7 +378,7 @@ class LevelFit {
         parallelFor(level_.layout.brickCount() - 1, [&](std::size_t n) {
             const std::size_t first = (n + 1) * 512;
             stepBrick(level_.voxels.data() + first, level_.gradient.data() + first, level_.moments.data() + first,
-                      level_.layout.masks[n + 1], step);
+                      {level_.layout.masks[n + 1], level_.solid[n + 1]}, step);
         });
     }
 
@@ -437,10 +440,18 @@ void addGrids(const Level& level, PhotoFitResult& result) {
             if (!isSet(level.layout.masks[b], within.x, within.y, within.z)) continue;
             const CompositeVoxel& voxel = level.voxels[b * 512 + std::size_t(i)];
             const openvdb::Coord place(at.x, at.y, at.z);
-            density.setValue(place, float(voxel.extinction / level.grid.spacing));
-            opacity.setValue(place, 1 - std::exp(-voxel.extinction));
+            if (isSolid(level, b * 512 + std::size_t(i))) {
+                density.setValue(place, float(voxel.extinction / level.grid.spacing));
+                opacity.setValue(place, 1 - std::exp(-voxel.extinction));
+            }
             color.setValue(place, openvdb::Vec3s(voxel.red, voxel.green, voxel.blue));
         }
+}
+
+Box3 boxOf(const std::vector<Photograph>& photographs) {
+    std::vector<Pose> views(photographs.size());
+    for (std::size_t n = 0; n < views.size(); ++n) views[n].camera = photographs[n].camera;
+    return boundsOf(photographs, boundsSeenByAll(views));
 }
 
 void requireUsable(const std::vector<Photograph>& photographs) {
@@ -487,22 +498,32 @@ PhotoFitResult fitPhotographs(const std::vector<Photograph>& photographs, const 
     PhotoFitResult result;
     const std::vector<Photograph> pictures = reducedTo(photographs, options.pictureSize);
     const Pixels pixels(pictures);
-    const Box3 box = options.box ? *options.box : photographedBox(pictures, float(options.hullThreshold));
+    const Box3 box = options.box ? *options.box : boxOf(pictures);
     const double all = options.coarsePasses * (options.levels - 1) + options.passes;
     double done = 0;
-    Level level;
+    Level level, coarser;
     for (int n = 0; n < options.levels; ++n) {
         const int finest = options.levels - 1;
         const ReconstructionGrid grid = gridOf(box, std::max(8, options.resolution >> (finest - n)));
-        level = n == 0 ? firstLevel(pictures, grid, options) : finerLevel(level, pictures, grid, options);
+        level.gradient = std::vector<CompositeVoxel>();
+        level.moments = std::vector<AdamMoments>();
+        coarser = std::move(level);
+        level = n == 0 ? firstLevel(pictures, grid, options) : finerLevel(coarser, pictures, grid, options);
+        const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
         if (!LevelFit(level, pixels, options, timer, result).run(passes, progress, done / all, (done + passes) / all)) {
             result.termination = PhotoFitTermination::interrupted;
             break;
         }
         done += passes;
+        if (n > 0 && result.history.back().leftOut < before) {
+            level = std::move(coarser);
+            result.termination = PhotoFitTermination::overfitted;
+            break;
+        }
     }
     result.keptVoxels = level.layout.keptVoxels();
+    result.dims = level.grid.dims;
     addGrids(level, result);
     result.timings.total = timer.seconds();
     result.timings.prepared = result.timings.total - result.timings.updates;

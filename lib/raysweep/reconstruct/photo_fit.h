@@ -31,7 +31,6 @@ struct PhotoFitOptions {
     double passes = 12;                ///< and in the finest, > 0
     int pictureSize = 400;             ///< pictures whose longer edge is twice this or more are reduced, pixels, > 0
     int samplesPerSlice = 2;           ///< of rays, from slice to slice, > 0
-    int blockBits = 0;
     int raysPerUpdate = 16384;         ///< > 0
     double extinctionRate = 0.05;      ///< first step of extinction, 1/edge of a voxel, > 0
     double colorRate = 0.02;           ///< first step of the square root of colours, > 0
@@ -51,7 +50,8 @@ struct PhotoFitOptions {
 };
 
 enum class PhotoFitTermination {
-    passes,      ///< all passes were made
+    passes,      ///< all passes were made in all grids
+    overfitted,  ///< a finer grid made the pixels that are left out worse: the volume is the coarser one
     interrupted  ///< the progress callback said stop; the volume is what there was
 };
 
@@ -78,8 +78,9 @@ struct PhotoFitResult {
     std::vector<PhotoFitPoint> history;
     PhotoFitTermination termination = PhotoFitTermination::passes;
     PhotoFitTimings timings;
-    std::size_t keptVoxels = 0;
-    double samples = 0;  ///< of rays, in all updates
+    Index3 dims{0};              ///< voxels of the grid along x, y, z
+    std::size_t keptVoxels = 0;  ///< of the hull, without what has emptied, and those around it
+    double samples = 0;          ///< of rays, in all updates
 };
 
 /// Memory: 64 bytes for each voxel of a brick of the hull, and the pictures at `pictureSize`. The same bits for any

@@ -1,11 +1,9 @@
 #include "raysweep/reconstruct/photo_hull.h"
 
-#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace raysweep {
 namespace {
@@ -22,87 +20,79 @@ class CoveredPixels {
                 sums_[index(x + 1, y + 1)] = sums_[index(x + 1, y)] + row;
             }
         }
+        reachesBorder_ =
+            width_ < 3 || height_ < 3 || count(1, 1, width_ - 1, height_ - 1) != count(0, 0, width_, height_);
     }
 
-    /// Whether a rectangle shows something, or part of it lies outside of the picture.
+    /// Whether a rectangle shows something. What lies outside of the picture does only if the object reaches its
+    /// border.
     bool mayShow(double left, double top, double right, double bottom) const {
-        if (!(left >= 0 && top >= 0 && right <= width_ && bottom <= height_)) return true;
-        const int x0 = int(left), y0 = int(top);
-        const int x1 = std::min(width_, int(right) + 1), y1 = std::min(height_, int(bottom) + 1);
-        return sums_[index(x1, y1)] + sums_[index(x0, y0)] != sums_[index(x0, y1)] + sums_[index(x1, y0)];
+        const bool leaves = left < 0 || top < 0 || right > width_ || bottom > height_;
+        if (leaves && reachesBorder_) return true;
+        const int x0 = int(std::clamp(left, 0.0, double(width_))), y0 = int(std::clamp(top, 0.0, double(height_)));
+        const int x1 = int(std::ceil(std::clamp(right, 0.0, double(width_))));
+        const int y1 = int(std::ceil(std::clamp(bottom, 0.0, double(height_))));
+        return count(x0, y0, x1, y1) > 0;
     }
 
   private:
+    std::uint32_t count(int x0, int y0, int x1, int y1) const {
+        return sums_[index(x1, y1)] + sums_[index(x0, y0)] - sums_[index(x0, y1)] - sums_[index(x1, y0)];
+    }
     std::size_t index(int x, int y) const { return std::size_t(y) * std::size_t(width_ + 1) + std::size_t(x); }
 
     int width_, height_;
+    bool reachesBorder_ = false;
     std::vector<std::uint32_t> sums_;
 };
 
-struct View {
+class View {
+  public:
     const PhotoCamera& camera;
     CoveredPixels covered;
+
+    View(const Photograph& photograph, float threshold)
+        : camera(photograph.camera), covered(photograph.matte, threshold) {}
 
     /// Whether a ball may hold something, as far as this picture knows.
     bool mayShow(const Vec3& center, double radius) const {
         const auto seen = project(camera, center);
         const bool orthographic = camera.projection == Camera::Projection::Orthographic;
-        if (!seen || (!orthographic && seen->depth <= 2 * radius)) return true;
-        // Of a ball off the axis the picture is an ellipse; 1.5 covers those of any camera up to 110 degrees wide.
-        const double scale = orthographic ? 1 : 1.5 / (seen->depth - radius);
-        const double x = radius * camera.focalX * scale, y = radius * camera.focalY * scale;
-        return covered.mayShow(seen->x - x, seen->y - y, seen->x + x, seen->y + y);
+        if (!seen || (!orthographic && seen->depth <= 1.01 * radius)) return true;
+        Interval x{-radius, radius}, y{-radius, radius};
+        if (!orthographic) {
+            x = outline((center - camera.position).dot(camera.right), seen->depth, radius);
+            y = outline((center - camera.position).dot(camera.down), seen->depth, radius);
+        }
+        // Lenses stretch what is near their border by little more than a tenth.
+        const double stretch = camera.distortion.isNone() ? 1 : 1.25;
+        const double across = camera.focalX * stretch, down = camera.focalY * stretch;
+        return covered.mayShow(seen->x + across * x.low, seen->y + down * y.low, seen->x + across * x.high,
+                               seen->y + down * y.high);
+    }
+
+  private:
+    struct Interval {
+        double low, high;
+    };
+    /// From where a ball's centre is seen to where its outline is, at distance 1: the tangents from the eye, in the
+    /// plane of the optical axis and one side.
+    static Interval outline(double aside, double depth, double radius) {
+        const double square = depth * depth - radius * radius;
+        const double reach = radius * std::sqrt(aside * aside + square), middle = aside * depth;
+        return {(middle - reach) / square - aside / depth, (middle + reach) / square - aside / depth};
     }
 };
 
 std::vector<View> viewsOf(const std::vector<Photograph>& photographs, float threshold) {
     std::vector<View> views;
     views.reserve(photographs.size());
-    for (const Photograph& photograph : photographs)
-        views.push_back({photograph.camera, CoveredPixels(photograph.matte, threshold)});
+    for (const Photograph& photograph : photographs) views.emplace_back(photograph, threshold);
     return views;
 }
 
 bool mayShow(const std::vector<View>& views, const Vec3& center, double radius) {
     return std::all_of(views.begin(), views.end(), [&](const View& v) { return v.mayShow(center, radius); });
-}
-
-/// The point that is nearest to all the cameras' axes (least squares).
-Vec3 lookedAt(const std::vector<Photograph>& photographs) {
-    Matrix3 sum(0, 0, 0, 0, 0, 0, 0, 0, 0);
-    Vec3 right(0);
-    for (const Photograph& photograph : photographs) {
-        const Vec3 d = photograph.camera.forward, p = photograph.camera.position;
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) {
-                const double m = (i == j ? 1.0 : 0.0) - d[i] * d[j];
-                sum[i][j] += m;
-                right[i] += m * p[j];
-            }
-    }
-    // Nearly parallel axes: the middle of all cameras' is as good as any other point along them.
-    if (std::abs(sum.determinant()) < 1e-9 * std::pow(double(photographs.size()), 3))
-        throw InvalidArgument(
-            "the cameras look along one line: what they see together cannot be told from them; say where it is");
-    return right * sum.inverse();
-}
-
-/// Half the edge of a cube about `center` that all pictures may show: what one does not show of it is not known.
-double seenAround(const std::vector<Photograph>& photographs, const Vec3& center) {
-    double least = std::numeric_limits<double>::max();
-    for (const Photograph& photograph : photographs) {
-        const PhotoCamera& camera = photograph.camera;
-        const bool orthographic = camera.projection == Camera::Projection::Orthographic;
-        const double depth = (center - camera.position).dot(camera.forward);
-        if (!orthographic && depth <= 0) continue;
-        const double perPixel = (orthographic ? 1 : depth) / std::min(camera.focalX, camera.focalY);
-        double half = 0.5 * std::max(camera.width, camera.height) * perPixel;
-        if (!orthographic) half = std::min(half, 0.9 * depth);
-        least = std::min(least, half);
-    }
-    if (least == std::numeric_limits<double>::max())
-        throw InvalidArgument("the cameras look at nothing in common; say where the object is");
-    return least;
 }
 
 }  // namespace
@@ -132,23 +122,35 @@ std::vector<MaskedBrick> photoHull(const std::vector<Photograph>& photographs, c
     return bricks;
 }
 
-Box3 photographedBox(const std::vector<Photograph>& photographs, float threshold) {
-    ReconstructionGrid grid;
-    grid.dims = Index3(96);
-    grid.center = lookedAt(photographs);
-    grid.spacing = 2 * seenAround(photographs, grid.center) / 96;
-    Box3 box;
-    for (const MaskedBrick& brick : photoHull(photographs, grid, threshold))
-        for (int i = 0; i < 512; ++i)
-            if (isSet(brick.mask, i >> 6, i >> 3 & 7, i & 7)) {
-                const Vec3 at =
-                    grid.voxel(brick.origin.x + (i >> 6), brick.origin.y + (i >> 3 & 7), brick.origin.z + (i & 7));
-                box.extendBy(at - Vec3(0.5 * grid.spacing));
-                box.extendBy(at + Vec3(0.5 * grid.spacing));
-            }
-    if (box.isEmpty())
-        throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
-    return box;
+std::vector<MaskedBrick> withNeighbours(const std::vector<MaskedBrick>& bricks, const Index3& dims) {
+    const CompositeLayout layout = compositeLayout(dims, bricks);
+    const auto isKept = [&](const Index3& at) {
+        const std::size_t i = layout.voxel(at);
+        return isSet(layout.masks[i >> 9], int(i >> 6 & 7), int(i >> 3 & 7), int(i & 7));
+    };
+    const auto isNear = [&](const Index3& at) {
+        for (int n = 0; n < 27; ++n)
+            if (isKept(at + Index3(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1))) return true;
+        return false;
+    };
+    const Index3 count((dims.x + 7) / 8, (dims.y + 7) / 8, (dims.z + 7) / 8);
+    std::vector<MaskedBrick> all(std::size_t(count.x) * std::size_t(count.y) * std::size_t(count.z));
+    parallelFor(all.size(), [&](std::size_t b) {
+        MaskedBrick& brick = all[b];
+        brick.origin = Index3(int(b) / (count.y * count.z), int(b) / count.z % count.y, int(b) % count.z) * 8;
+        brick.mask = {};
+        bool any = false;
+        for (int n = 0; n < 27; ++n)
+            any |= layout.voxel(brick.origin + Index3(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1) * 8) >= 512;
+        if (!any) return;
+        for (int i = 0; i < 512; ++i) {
+            const Index3 at = brick.origin + Index3(i >> 6, i >> 3 & 7, i & 7);
+            if (at.x < dims.x && at.y < dims.y && at.z < dims.z && isNear(at))
+                brick.mask[std::size_t(i >> 6)] |= std::uint64_t(1) << (i & 63);
+        }
+    });
+    all.erase(std::remove_if(all.begin(), all.end(), [](const auto& b) { return b.mask == VoxelMask{}; }), all.end());
+    return all;
 }
 
 }  // namespace raysweep

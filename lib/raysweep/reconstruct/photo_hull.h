@@ -9,13 +9,13 @@
 
 namespace raysweep {
 
-/// Voxels that each picture either has in no part of its frame, or shows with an alpha above `threshold` somewhere in
-/// what is seen of the voxel and of the space to its neighbours' centres: linear interpolation carries light that far.
+/// Voxels that each picture shows with an alpha above `threshold` somewhere in what is seen of the voxel and of the
+/// space to its neighbours' centres: linear interpolation carries light that far. A picture that has the object at its
+/// border does not know what is outside; of others it is known that nothing is.
 std::vector<MaskedBrick> photoHull(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
                                    float threshold);
 
-/// A box around all that the photographs show: from where the cameras look, and then from the visual hull.
-/// @throw InvalidArgument if the cameras look at nothing in common, or their pictures show nothing.
-Box3 photographedBox(const std::vector<Photograph>& photographs, float threshold);
+/// `bricks`, and with each of their voxels the 26 around it.
+std::vector<MaskedBrick> withNeighbours(const std::vector<MaskedBrick>& bricks, const Index3& dims);
 
 }  // namespace raysweep

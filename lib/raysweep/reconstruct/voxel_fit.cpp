@@ -51,17 +51,19 @@ struct Surroundings {
 }  // namespace
 
 void stepBrickDispatched(CompositeVoxel* HWY_RESTRICT voxels, CompositeVoxel* HWY_RESTRICT gradient,
-                         AdamMoments* HWY_RESTRICT moments, const VoxelMask& mask, const AdamStep& step) {
+                         AdamMoments* HWY_RESTRICT moments, const FittedVoxels& fitted, const AdamStep& step) {
     const Four rate = extinctionAndColor(step.extinctionRate * step.correction1, step.colorRate * step.correction1);
     const Four decay1 = setFour(step.decay1), decay2 = setFour(step.decay2), correction2 = setFour(step.correction2);
     const Four least = extinctionAndColor(0, kLeastRoot), most = extinctionAndColor(step.mostExtinction, 1);
+    const Four clear = extinctionAndColor(0, 1);
     const Four zero = setFour(0), tiny = setFour(1e-12f), two = setFour(2);
     for (int i = 0; i < 512; ++i) {
         float* slopes = &gradient[i].extinction;
         Four slope = loadFour(slopes);
         if (isZero(slope)) continue;
         storeFour(zero, slopes);
-        if (!(mask[std::size_t(i >> 6)] >> (i & 63) & 1)) continue;
+        if (!(fitted.colored[std::size_t(i >> 6)] >> (i & 63) & 1)) continue;
+        const bool isSolid = (fitted.solid[std::size_t(i >> 6)] >> (i & 63) & 1) != 0;
         const Four value = loadFour(&voxels[i].extinction), root = rootOf(value);
         slope = firstOf(slope, slope * root * two);
         AdamMoments& moment = moments[i];
@@ -71,7 +73,7 @@ void stepBrickDispatched(CompositeVoxel* HWY_RESTRICT voxels, CompositeVoxel* HW
         storeFour(mean, &moment.first.extinction);
         storeFour(meanSquare, &moment.second.extinction);
         const Four change = rate * mean / (rootOf(meanSquare * correction2) + tiny);
-        const Four after = leastOf(mostOf(firstOf(value, root) - change, least), most);
+        const Four after = leastOf(mostOf(firstOf(value, root) - change, least), isSolid ? most : clear);
         storeFour(firstOf(after, after * after), &voxels[i].extinction);
     }
 }
@@ -113,9 +115,9 @@ namespace raysweep {
 HWY_EXPORT(stepBrickDispatched);
 HWY_EXPORT(smoothBrickDispatched);
 
-void stepBrick(CompositeVoxel* voxels, CompositeVoxel* gradient, AdamMoments* moments, const VoxelMask& mask,
+void stepBrick(CompositeVoxel* voxels, CompositeVoxel* gradient, AdamMoments* moments, const FittedVoxels& fitted,
                const AdamStep& step) {
-    HWY_DYNAMIC_DISPATCH(stepBrickDispatched)(voxels, gradient, moments, mask, step);
+    HWY_DYNAMIC_DISPATCH(stepBrickDispatched)(voxels, gradient, moments, fitted, step);
 }
 
 void smoothBrick(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b,

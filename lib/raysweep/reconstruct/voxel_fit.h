@@ -20,9 +20,15 @@ struct AdamStep {
     float mostExtinction = 100;               ///< 1 / edge of a voxel
 };
 
-/// Moves the voxels of a brick that are kept and whose derivative is not 0, and clears all derivatives. Colour moves in
-/// its square root, which is near to how displays encode it: steps there are alike to the eye, dark or bright.
-void stepBrick(CompositeVoxel* voxels, CompositeVoxel* gradient, AdamMoments* moments, const VoxelMask& mask,
+/// Voxels of a brick that are fitted.
+struct FittedVoxels {
+    VoxelMask colored;  ///< in colour
+    VoxelMask solid;    ///< and in extinction; that of others stays 0
+};
+
+/// Moves the voxels of a brick that are fitted and whose derivative is not 0, and clears all derivatives. Colour moves
+/// in its square root, which is near to how displays encode it: steps there are alike to the eye, dark or bright.
+void stepBrick(CompositeVoxel* voxels, CompositeVoxel* gradient, AdamMoments* moments, const FittedVoxels& fitted,
                const AdamStep& step);
 
 /// Added to the loss for each voxel and each pair of neighbours.

@@ -4,6 +4,7 @@
 #include "raysweep/camera/projections.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/types.h"
+#include "support/expect_error.h"
 
 #include <gtest/gtest.h>
 
@@ -12,19 +13,6 @@
 #include <vector>
 
 namespace raysweep::test {
-
-/// That `call` ends in an error of this kind whose message has `part`.
-template <class Kind, class Call>
-void expectError(const Call& call, const std::string& part) {
-    try {
-        call();
-        ADD_FAILURE() << "no error; expected one that says: " << part;
-    } catch (const Kind& error) {
-        EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what() << "\n  lacks: " << part;
-    } catch (const std::exception& error) {
-        ADD_FAILURE() << "an error of another kind: " << error.what();
-    }
-}
 
 /// A value for each ray that tells which it is, and that no integer type holds.
 inline Projections numbered(int width, int height, int views) {
