@@ -26,8 +26,10 @@ PhotoExperimentOptions litObject(double diffuse) {
 
 PhotoLightOptions quick() {
     PhotoLightOptions options;
-    options.places = 600;
+    options.places = 400;
     options.directions = 60;
+    options.steps = 3;
+    options.colorPasses = 2;
     return options;
 }
 
@@ -41,17 +43,17 @@ TEST(PhotoLight, IsFoundWithinFiveDegrees) {
     const PhotoExperiment experiment = photoExperiment(litObject(0.5));
     const PhotoLight found = findLight(experiment.photographs, experiment.grid, quick()).value();
     EXPECT_LT(degreesBetween(found.shading.light, experiment.shading.light), 5);
-    // Found .43: normals on the scale of a voxel are not quite those of the surface, which costs contrast.
-    EXPECT_NEAR(found.shading.diffuse, 0.5, 0.075);
+    // Found .422: normals on the scale of a voxel are not quite those of the surface, which costs contrast.
+    EXPECT_NEAR(found.shading.diffuse, 0.5, 0.085);
     EXPECT_LT(found.residual, found.aside);
     EXPECT_LE(found.aside, found.ambient);
-    EXPECT_GT(found.confidence, 0.74);  // found .82
+    EXPECT_GT(found.confidence, 0.72);  // found .80
 }
 
 TEST(PhotoLight, AmbientLightIsNoDirection) {
     const PhotoExperiment experiment = photoExperiment(litObject(0));
     const PhotoLight found = findLight(experiment.photographs, experiment.grid, quick()).value();
-    EXPECT_LT(found.shading.diffuse, 0.032);  // found .029 and .0136
+    EXPECT_LT(found.shading.diffuse, 0.027);  // found .024 and .01
     EXPECT_LT(found.confidence, 0.015);
 }
 
@@ -75,8 +77,8 @@ TEST(Photo, OneCallFindsTheLightAndTheVolume) {
     options.findLight = false;
     options.light.shading = experiment.shading;
     const PhotoReconstruction known = reconstructPhotographs(experiment.photographs, options);
-    // Found 1.047: the share of diffuse light is not found exactly.
-    EXPECT_NEAR(found.history.back().color / known.history.back().color, 1, 0.051);
+    // Found 1.060: the share of diffuse light is not found exactly.
+    EXPECT_NEAR(found.history.back().color / known.history.back().color, 1, 0.065);
     EXPECT_EQ(found.density->getName(), "density");
     EXPECT_EQ(found.opacity->getName(), "opacity");
     EXPECT_EQ(found.color->getName(), "Cd");
