@@ -78,6 +78,8 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     options.resolution = a.size;
     if (a.iterations) options.iterations = *a.iterations;
     if (a.relaxation) options.relaxation = *a.relaxation;
+    options.fit.smoothExtinction *= a.smooth.value_or(1);
+    options.fit.smoothColor *= a.smooth.value_or(1);
     options.light = {a.shading, !a.lampStands};
     options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
     options.findLight = a.findLight;
@@ -170,6 +172,9 @@ void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
         outcome.warnings.push_back(describeStandingOut(judgement));
         warning(a.common, outcome.warnings.back());
     }
+    if (outcome.result.termination == PhotoTermination::overfitted)
+        message(a.common, "the views carry " + std::to_string(outcome.result.resolution) +
+                              " voxels along the longest edge: finer ones made left-out pixels worse");
     if (outcome.result.density->empty()) {
         outcome.warnings.push_back("the volume is empty");
         warning(a.common, outcome.warnings.back());

@@ -71,6 +71,8 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
         ->type_name("fit|consistent|paper");
     app.add_option("--iterations", a.iterations, "How often each pixel is used (default: by method)")->type_name("N");
     app.add_option("--relaxation", a.relaxation, "consistent, paper: part of each correction that is made");
+    app.add_option("--smooth", a.smooth,
+                   "fit: factor of the total variation that is kept small; less for many clean pictures (default: 1)");
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
     app.add_option("--diffuse", a.shading.diffuse, "Part of colours that is seen by Lambert's law")
@@ -82,8 +84,9 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
                  "The lamp stands still; else it goes along with the camera, as if the object turned on a table");
     app.add_option("--bounds", a.bounds, "Box of the volume, world units (default: what the photographs show)")
         ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-    app.add_option("--size", a.size, "Voxels along the longest edge of the box, a multiple of 8")
-        ->capture_default_str();
+    app.add_option("--size", a.size,
+                   "Voxels along the longest edge of the box, a multiple of 8 (default: 256 for fit, else 128)")
+        ->type_name("N");
     app.add_flag("--half", a.half, "Save as half floats");
 }
 
@@ -184,8 +187,9 @@ void completeOptions(PhotoArguments& a, const CLI::App& command) {
     if (lowerExtension(a.output) != ".vdb") usageError("--output", "'" + a.output + "' must end in .vdb");
     completePhotographs(a, command);
     if (!a.bounds.empty()) a.box = parseBounds(a.bounds);
-    if (a.size < 16 || a.size > 1024 || a.size % 8 != 0)
+    if (a.size != 0 && (a.size < 16 || a.size > 1024 || a.size % 8 != 0))
         usageError("--size", "must be a multiple of 8, from 16 to 1024");
+    if (a.smooth) requireFactor(*a.smooth, "--smooth");
     if (a.iterations && *a.iterations < 1) usageError("--iterations", "must be at least 1");
     completeLight(a, command);
     if (!(a.backdrop >= 0 && a.backdrop <= 1)) usageError("--backdrop", "must be in [0,1]");

@@ -19,9 +19,9 @@ struct PhotoArguments {
     PoseOptions poses;
     PhotographOptions photographs;
     bool mattingGiven = false;  ///< else it is chosen by what the pictures have
-    int size = 128, holdOut = 0;
+    int size = 0, holdOut = 0;
     std::optional<int> iterations;
-    std::optional<double> relaxation, ambient;
+    std::optional<double> relaxation, ambient, smooth;
     Shading shading;  ///< of the photographs, but for its direction
     std::optional<Box3> box;
     std::optional<Vec3> lightInWorld;  ///< in the first view

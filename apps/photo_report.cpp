@@ -79,6 +79,7 @@ void addHistory(Json& json, const PhotoReconstruction& result, bool compared) {
     json["seconds_history"] = historyOf(result, &PhotoPoint::seconds);
     json["resolution_history"] = historyOf(result, &PhotoPoint::resolution);
     json["image_error_history"] = historyOf(result, &PhotoPoint::imageError);
+    json["left_out_error_history"] = historyOf(result, &PhotoPoint::leftOut);
     if (!compared) return;
     json["rms_opacity_history"] = historyOf(result, &PhotoPoint::opacity);
     json["rms_color_history"] = historyOf(result, &PhotoPoint::color);
@@ -114,6 +115,17 @@ const char* nameOf(MattingOptions::Matting matting) {
     }
 }
 
+const char* nameOf(PhotoTermination termination) {
+    switch (termination) {
+        case PhotoTermination::interrupted:
+            return "interrupted";
+        case PhotoTermination::overfitted:
+            return "overfitted";
+        default:
+            return "iterations";
+    }
+}
+
 }  // namespace
 
 nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& outcome) {
@@ -128,12 +140,12 @@ nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& out
                  {"matting", nameOf(sets.matting)},
                  {"seconds", outcome.seconds},
                  {"peak_bytes", outcome.peakBytes},
-                 {"termination", result.termination == PhotoTermination::interrupted ? "interrupted" : "iterations"}};
+                 {"termination", nameOf(result.termination)}};
     addQuality(json, outcome.judgement);
     json["views"] = sets.used.views.size();
     json["views_held_out"] = sets.heldOut.views.size();
     json["views_test"] = sets.test.views.size();
-    json["resolution"] = a.size;
+    json["resolution"] = result.resolution;
     json["spacing"] = result.density->voxelSize().x();
     json["voxels_active"] = result.density->activeVoxelCount();
     json["voxels_kept"] = result.keptVoxels;

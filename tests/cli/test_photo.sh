@@ -31,9 +31,10 @@ by() {  # METHOD PSNR-OF-USED PSNR-OF-HELD-OUT OPTIONS...
     done
     expect_json report.json "sum(v['set'] == 'held-out' for v in r['view_list']) == 3 and all(v['psnr'] > 10 and v['matte']['covered'] > 0 for v in r['view_list'])"
 }
-by fit 55.7 54.1         # found: 56.6, 55.0
-by consistent 46.8 44.6  # found: 47.6, 45.4
-by paper 43.4 41.0       # found: 44.2, 41.9
+by fit 51.3 50.2 --smooth 0.01 --iterations 12  # found: 52.1, 51.0: pictures without noise, all that there is to know
+by fit 36.7 36.1                                # found: 37.5, 37.0
+by consistent 48.4 45.4                         # found: 49.2, 46.3
+by paper 43.4 41.0                              # found: 44.2, 41.9
 
 # The default is by what took the pictures.
 photo parallel -o vol.vdb "${small[@]}" --iterations 1
@@ -70,7 +71,7 @@ expect_json report.json "abs(r['psnr_held_out'] - sum(v['psnr'] for v in r['view
 
 # Pairs give what alpha gives, but for the rounding of two pictures to 8 bits; --config says the same as options.
 photo pairs -o pairs.vdb "${small[@]}" --hold-out 4
-expect_json report.json "r['matting'] == 'white-black' and r['psnr_held_out'] > 53.3"  # found: 54.1; alpha as 8 bits gives 55.0
+expect_json report.json "r['matting'] == 'white-black' and r['psnr_held_out'] > 36.1"  # found: 37.0, as with alpha
 found pairs
 printf 'size = 24\nbounds = [-1, -1, -1, 1, 1, 1]\nhold-out = 4\nmatting = "white-black"\n' >photo.toml
 photo pairs -o vol.vdb --config photo.toml --threads 1

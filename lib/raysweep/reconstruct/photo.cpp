@@ -23,9 +23,15 @@ int wholeBricks(double voxels) {
     return std::max(1, int(std::ceil(voxels / kBrick - 1e-6))) * kBrick;
 }
 
+/// consistent, paper
 int passesOf(const PhotoOptions& options) {
     if (options.iterations > 0) return options.iterations;
     return options.method == PhotoMethod::consistent ? 4 : 12;
+}
+
+int resolutionOf(const PhotoOptions& options) {
+    if (options.resolution > 0) return options.resolution;
+    return options.method == PhotoMethod::fit ? options.fit.resolution : 128;
 }
 
 /// Edge of the voxels. @throw InvalidArgument unless they are cubes along the world's axes
@@ -81,7 +87,7 @@ ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const Pho
         return gridOn(reference, options.box ? *options.box : activeBox(reference));
     }
     const Box3 box = options.box ? *options.box : boundsOf(photographs);
-    return photoGrid(box, options.resolution);
+    return photoGrid(box, resolutionOf(options));
 }
 
 /// Sums of squares of differences.
@@ -130,18 +136,34 @@ std::vector<PhotoPoint> historyOf(const PhotoFitResult& from) {
         all.seconds = point.seconds;
         all.resolution = point.resolution;
         all.imageError = std::pow(10, -point.fitted / 20);
+        all.leftOut = std::pow(10, -point.leftOut / 20);
         history.push_back(all);
     }
     return history;
+}
+
+int largest(const Index3& dims) {
+    return std::max({dims.x, dims.y, dims.z});
+}
+
+PhotoTermination terminationOf(PhotoFitTermination termination) {
+    switch (termination) {
+        case PhotoFitTermination::interrupted:
+            return PhotoTermination::interrupted;
+        case PhotoFitTermination::overfitted:
+            return PhotoTermination::overfitted;
+        default:
+            return PhotoTermination::iterations;
+    }
 }
 
 PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const PhotoOptions& options,
                            const ProgressCallback& progress) {
     const ReconstructionGrid grid = gridFor(photographs, options);
     PhotoFitOptions fit = options.fit;
-    fit.passes = passesOf(options);
+    if (options.iterations > 0) fit.passes = options.iterations;
     fit.box = boxOf(grid);
-    fit.resolution = std::max({grid.dims.x, grid.dims.y, grid.dims.z});
+    fit.resolution = largest(grid.dims);
     fit.seed = options.seed;
     fit.raysPerUpdate = int(
         std::min<double>(fit.raysPerUpdate, std::max<double>(kFewestRays, pixelCount(photographs) / kFewestUpdates)));
@@ -152,7 +174,8 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     to.color = extendedColor(*from.color, *from.density);
     to.history = historyOf(from);
     if (!to.history.empty()) to.updates = to.history.back().updates;
-    if (from.termination == PhotoFitTermination::interrupted) to.termination = PhotoTermination::interrupted;
+    to.termination = terminationOf(from.termination);
+    to.resolution = largest(from.dims);
     to.timings = {from.timings.prepared, 0, from.timings.updates, from.timings.total};
     to.keptVoxels = from.keptVoxels;
     to.samples = from.samples;
@@ -184,6 +207,7 @@ PhotoReconstruction corrected(const std::vector<Photograph>& photographs, const 
     PhotoVolumes volumes;
     if (options.reference) volumes.reference = &*options.reference;
     PhotoReconstruction result = photoSart(photographs, grid, sart, volumes, stopped ? stop : progress);
+    result.resolution = largest(grid.dims);
     result.light = light;
     result.timings.light = searched;
     result.timings.total = timer.seconds();
@@ -195,8 +219,8 @@ PhotoReconstruction corrected(const std::vector<Photograph>& photographs, const 
 void PhotoOptions::validate() const {
     requireField(iterations >= 0, "iterations", iterations, "at least 0");
     requireField(relaxation > 0 && relaxation <= 2, "relaxation", relaxation, "in (0,2]");
-    requireField(resolution >= 16 && resolution <= 1024 && resolution % 8 == 0, "resolution", resolution,
-                 "a multiple of 8, from 16 to 1024");
+    requireField(resolution == 0 || (resolution >= 16 && resolution <= 1024 && resolution % 8 == 0), "resolution",
+                 resolution, "a multiple of 8, from 16 to 1024, or 0");
     requireField(historyEvery >= 0, "historyEvery", historyEvery, "at least 0");
     light.shading.validate();
     lightSearch.validate();

@@ -23,11 +23,12 @@ enum class PhotoMethod {
 
 struct PhotoOptions {
     PhotoMethod method = PhotoMethod::fit;
-    int iterations = 0;       ///< passes over all photographs, of `fit` in the finest grid; 0: 12 for `fit`, 4 for
-                              ///< `consistent`, 12 for `paper`; >= 0
-    double relaxation = 1;    ///< part of a correction that is made, in (0,2]; not of `fit`
-    int resolution = 128;     ///< voxels along the longest edge of the box, multiple of 8, 16 to 1024
-    std::optional<Box3> box;  ///< of the volume, world units; without it what the photographs show
+    int iterations = 0;     ///< passes over all photographs, of `fit` in the finest grid, >= 0; 0: as `fit` says, 4 for
+                            ///< `consistent`, 12 for `paper`
+    double relaxation = 1;  ///< part of a correction that is made, in (0,2]; not of `fit`
+    int resolution = 0;     ///< voxels along the longest edge of the box, multiple of 8, 16 to 1024; 0: as `fit` says,
+                            ///< 128 for `consistent` and `paper`
+    std::optional<Box3> box;                 ///< of the volume, world units; without it what the photographs show
     std::optional<ReconstructionGrid> grid;  ///< instead of `resolution` and `box`
     std::optional<ColorVolume> reference;    ///< of which the history tells the RMS difference (of `fit`, in its last
                                              ///< point); without `grid` its voxels are used: those in `box`, else the

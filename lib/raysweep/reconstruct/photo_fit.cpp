@@ -181,7 +181,11 @@ struct Batch {
     std::vector<std::size_t> order_;
 };
 
-/// Edges of the grids, the coarsest first.
+/// A finer grid is not kept if left-out pixels are met worse by this, dB. They lie among pixels that are fitted, so
+/// their word on views from elsewhere is weak: of the Middlebury temple they lose .5 dB from 64 to 128 voxels, while
+/// views that were held out gain .9.
+constexpr double kWorse = 1;
+
 ReconstructionGrid gridOf(const Box3& box, int resolution) {
     ReconstructionGrid grid;
     const Vec3 size = box.size();
@@ -516,7 +520,7 @@ PhotoFitResult fitPhotographs(const std::vector<Photograph>& photographs, const 
             break;
         }
         done += passes;
-        if (n > 0 && result.history.back().leftOut < before) {
+        if (n > 0 && result.history.back().leftOut < before - kWorse) {
             level = std::move(coarser);
             result.termination = PhotoFitTermination::overfitted;
             break;

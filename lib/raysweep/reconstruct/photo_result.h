@@ -13,6 +13,7 @@ namespace raysweep {
 
 enum class PhotoTermination {
     iterations,  ///< all passes were made
+    overfitted,  ///< fit: a finer grid made pixels that are left out worse: the volume is the coarser one
     interrupted  ///< the progress callback said stop; the volume is the best of what there was
 };
 
@@ -24,6 +25,7 @@ struct PhotoPoint {
     /// RMS difference to the pictures since the last point, each just before its update: of RGBA, linear light, all
     /// pixels; of the fit of RGB on white as displays encode it, of pixels that meet something.
     double imageError = 0;
+    double leftOut = std::numeric_limits<double>::quiet_NaN();  ///< the same of pixels that are not fitted; NaN without
     double opacity = std::numeric_limits<double>::quiet_NaN();  ///< RMS over all voxels of the grid of the difference
                                                                 ///< to the reference; NaN without one
     double color = std::numeric_limits<double>::quiet_NaN();    ///< the same of opacity times colour, mean of channels
@@ -54,6 +56,7 @@ struct PhotoReconstruction {
     PhotoTermination termination = PhotoTermination::iterations;
     std::optional<PhotoLight> light;  ///< where it was asked for
     PhotoTimings timings;
+    int resolution = 0;  ///< voxels along the longest edge of the grid
     int updates = 0;
     std::size_t keptVoxels = 0;  ///< in the bricks that had memory
     double samples = 0;          ///< of rays, in all updates

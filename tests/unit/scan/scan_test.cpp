@@ -322,7 +322,7 @@ TEST_F(ScanFiles, WhatCannotBeAScanIsRefused) {
                       o.geometry.axisColumn = 10;
                       o.axisSearch = AxisSearch::always;
                   }),
-                  "axisColumn says where the axis is");
+                  "`axisColumn` says where the axis is");
     expectError<IoError>([&] { readScan(with([](ScanOptions& o) { o.geometry.file = "missing.json"; })); },
                          "missing.json");
     ScanOptions nothing;
