@@ -2,6 +2,7 @@
 
 #include "raysweep/volume/active_values.h"
 #include "raysweep/volume/grid_transform.h"
+#include "raysweep/volume/voxels_of.h"
 
 #include <openvdb/tools/Morphology.h>
 
@@ -15,17 +16,6 @@ using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
 
 constexpr const char* kColorName = "Cd";
-
-/// A grid of 0 with the active voxels of `shape`, tiles as voxels.
-template <class GridType, class ShapeType>
-typename GridType::Ptr withVoxelsOf(const ShapeType& shape) {
-    const auto tree = std::make_shared<typename GridType::TreeType>(
-        shape.tree(), openvdb::zeroVal<typename GridType::ValueType>(), openvdb::TopologyCopy());
-    tree->voxelizeActiveTiles();
-    const auto grid = GridType::create(tree);
-    grid->setTransform(shape.transform().copy());
-    return grid;
-}
 
 /// Reads colours where they are known, and what they come to beside these.
 struct ColorBeyond {

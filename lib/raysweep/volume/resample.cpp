@@ -5,6 +5,7 @@
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
 #include "raysweep/volume/voxel_check.h"
+#include "raysweep/volume/voxels_of.h"
 
 #include <openvdb/tools/Interpolation.h>
 #include <openvdb/tools/Morphology.h>
@@ -20,17 +21,6 @@ template <class Value>
 Value atMostOne(Value v) {
     for (int c = 0; c < kChannels<Value>; ++c) channel(v, c) = std::min(channel(v, c), 1.0f);
     return v;
-}
-
-/// A grid of 0 with the active voxels of `shape`, tiles as voxels.
-template <class GridType, class ShapeType>
-typename GridType::Ptr withVoxelsOf(const ShapeType& shape) {
-    const auto tree = std::make_shared<typename GridType::TreeType>(
-        shape.tree(), openvdb::zeroVal<typename GridType::ValueType>(), openvdb::TopologyCopy());
-    tree->voxelizeActiveTiles();
-    const auto grid = GridType::create(tree);
-    grid->setTransform(shape.transform().copy());
-    return grid;
 }
 
 /// Extinction-weighted average of the albedo: average of density x albedo over average of density.
