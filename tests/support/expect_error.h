@@ -20,4 +20,15 @@ void expectError(const Call& call, const std::string& part) {
     }
 }
 
+/// What validate() of some options says, "no error" if nothing.
+template <class Options>
+std::string errorOf(const Options& options) {
+    try {
+        options.validate();
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
 }  // namespace raysweep::test

@@ -147,6 +147,11 @@ std::optional<Projected> project(const PhotoCamera& camera, const Vec3& point) {
     return Projected{camera.principalX + camera.focalX * p.x, camera.principalY + camera.focalY * p.y, depth};
 }
 
+Vec3 carriedAlong(const Vec3& direction, const PhotoCamera& from, const PhotoCamera& to) {
+    return to.right * direction.dot(from.right) + to.down * direction.dot(from.down) +
+           to.forward * direction.dot(from.forward);
+}
+
 PhotoCamera resized(const PhotoCamera& camera, int width, int height) {
     camera.validate();
     requireField(width > 0, "camera width", width, "at least 1 pixel");

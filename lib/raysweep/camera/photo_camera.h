@@ -52,6 +52,10 @@ struct Projected {
 /// again nearer to the middle: its coefficients say nothing about them.
 std::optional<Projected> project(const PhotoCamera& camera, const Vec3& point);
 
+/// A direction that is fixed to the camera, such as that of light from a lamp beside it: `direction` as it is for `to`
+/// if it is so for `from`. Or camera and lamp stand still, and the object turns.
+Vec3 carriedAlong(const Vec3& direction, const PhotoCamera& from, const PhotoCamera& to);
+
 /// The same camera with a picture of another size. @throw InvalidArgument as PhotoCamera::validate, or if the size is
 /// 0.
 PhotoCamera resized(const PhotoCamera& camera, int width, int height);

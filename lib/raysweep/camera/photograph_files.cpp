@@ -72,13 +72,6 @@ ViewFiles filesOf(const Pose& pose, const PhotographOptions& options) {
     }
 }
 
-/// Columns and rows that fill no square of `factor` pixels are cut off, as `reduced` does.
-PhotoCamera reducedCamera(PhotoCamera camera, int factor) {
-    camera.width -= camera.width % factor;
-    camera.height -= camera.height % factor;
-    return factor == 1 ? camera : resized(camera, camera.width / factor, camera.height / factor);
-}
-
 /// A file's name for each view's matte: that of its picture, with a number where several have the same.
 std::vector<std::string> matteNames(const Poses& poses) {
     std::set<std::string> taken;
@@ -106,8 +99,8 @@ Photograph readView(const Pose& pose, const PhotographOptions& options, const st
         Matte matte = matteOf(input, options.matting);
         report = matte.report;
         if (!matteFile.empty()) writeImage(matteFile, mattePicture(matte.image, matte.inconsistent));
-        if (options.reduction > 1) matte.image = reduced(matte.image, options.reduction);
-        return {files.picture, reducedCamera(camera, options.reduction), std::move(matte.image)};
+        Photograph photograph{files.picture, camera, std::move(matte.image)};
+        return options.reduction > 1 ? reduced(photograph, options.reduction) : photograph;
     } catch (const InvalidArgument& error) {
         throw about(files.picture, error);
     }

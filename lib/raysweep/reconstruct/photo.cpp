@@ -142,10 +142,6 @@ std::vector<PhotoPoint> historyOf(const PhotoFitResult& from) {
     return history;
 }
 
-int largest(const Index3& dims) {
-    return std::max({dims.x, dims.y, dims.z});
-}
-
 PhotoTermination terminationOf(PhotoFitTermination termination) {
     switch (termination) {
         case PhotoFitTermination::interrupted:
@@ -163,7 +159,7 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     PhotoFitOptions fit = options.fit;
     if (options.iterations > 0) fit.passes = options.iterations;
     fit.box = boxOf(grid);
-    fit.resolution = largest(grid.dims);
+    fit.resolution = grid.resolution();
     fit.seed = options.seed;
     fit.raysPerUpdate = int(
         std::min<double>(fit.raysPerUpdate, std::max<double>(kFewestRays, pixelCount(photographs) / kFewestUpdates)));
@@ -175,7 +171,7 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     to.history = historyOf(from);
     if (!to.history.empty()) to.updates = to.history.back().updates;
     to.termination = terminationOf(from.termination);
-    to.resolution = largest(from.dims);
+    to.resolution = from.resolution;
     to.timings = {from.timings.prepared, 0, from.timings.updates, from.timings.total};
     to.keptVoxels = from.keptVoxels;
     to.samples = from.samples;
@@ -207,7 +203,7 @@ PhotoReconstruction corrected(const std::vector<Photograph>& photographs, const 
     PhotoVolumes volumes;
     if (options.reference) volumes.reference = &*options.reference;
     PhotoReconstruction result = photoSart(photographs, grid, sart, volumes, stopped ? stop : progress);
-    result.resolution = largest(grid.dims);
+    result.resolution = grid.resolution();
     result.light = light;
     result.timings.light = searched;
     result.timings.total = timer.seconds();

@@ -59,7 +59,7 @@ enum class PhotoFitTermination {
 struct PhotoFitPoint {
     int updates;     ///< so far
     double seconds;  ///< since the beginning
-    int resolution;  ///< of the grid
+    int resolution;  ///< voxels along the longest edge of the grid
     double fitted;   ///< PSNR of the pixels since the last point, each just before its update, on white as displays
                      ///< encode it, dB
     double leftOut;  ///< PSNR of the pixels that are not fitted; NaN without any
@@ -78,7 +78,7 @@ struct PhotoFitResult {
     std::vector<PhotoFitPoint> history;
     PhotoFitTermination termination = PhotoFitTermination::passes;
     PhotoFitTimings timings;
-    Index3 dims{0};              ///< voxels of the grid along x, y, z
+    int resolution = 0;          ///< voxels along the longest edge of the grid
     std::size_t keptVoxels = 0;  ///< of the hull, without what has emptied, and those around it
     double samples = 0;          ///< of rays, in all updates
 };

@@ -118,7 +118,7 @@ std::vector<CompositeVoxel> slopesOf(const ColorSolver& solver, const std::vecto
             slopes[i].extinction = colors[i].extinction;
             const Vec3 normal = unpacked(surfaces.normals[i]);
             if (normal.dot(Vec3(light.toLight[0], light.toLight[1], light.toLight[2])) <= 0) continue;
-            const Vec3 slope = lightBeside(solver.camera(0), solver.camera(view), normal) *
+            const Vec3 slope = carriedAlong(normal, solver.camera(view), solver.camera(0)) *
                                -double(colors[i].red + colors[i].green + colors[i].blue);
             slopes[i].red = float(slope.x);
             slopes[i].green = float(slope.y);

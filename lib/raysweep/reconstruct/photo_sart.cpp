@@ -266,7 +266,7 @@ class PhotoSolver {
     ViewLight lightFor(const PhotoCamera& camera) const {
         const Shading& shading = options_.light.shading;
         Vec3 light = shading.light;
-        if (options_.light.turns) light = lightBeside(camera, pictures_.front().camera, light);
+        if (options_.light.turns) light = carriedAlong(light, pictures_.front().camera, camera);
         light.normalize();
         return {float(shading.ambient), float(shading.diffuse), {float(-light.x), float(-light.y), float(-light.z)}};
     }
@@ -327,7 +327,7 @@ class PhotoSolver {
         PhotoPoint point;
         point.updates = result_.updates;
         point.seconds = result_.timings.updates;
-        point.resolution = std::max({grid_.dims.x, grid_.dims.y, grid_.dims.z});
+        point.resolution = grid_.resolution();
         point.imageError = sincePoint_.rms();
         if (reference)
             reference->compare([&](std::size_t i) { return additive_ ? volume_[i] : matterOf(volume_[i]); }, point);

@@ -84,7 +84,8 @@ Sightings sightingsOf(const std::vector<Photograph>& pictures, const PhotoSurfac
     for (const std::size_t i : bestSeen(sums, surfaces, places))
         for (std::size_t n = 0; n < to.views; ++n) {
             const CompositeVoxel& sum = sums[n][i];
-            const Vec3 normal = lightBeside(pictures.front().camera, pictures[n].camera, unpacked(surfaces.normals[i]));
+            const Vec3 normal =
+                carriedAlong(unpacked(surfaces.normals[i]), pictures[n].camera, pictures.front().camera);
             const float brightness = sum.extinction > 0 ? sum.red / sum.extinction : 0;
             to.all.push_back({sum.extinction, brightness, {float(normal.x), float(normal.y), float(normal.z)}});
         }

@@ -34,7 +34,7 @@ PhotoSurfaces surfacesOf(const PhotoReconstruction& volume, const Reconstruction
 }
 
 ViewLight lightOf(const Shading& shading, const PhotoCamera& camera, const PhotoCamera& first) {
-    const Vec3 light = lightBeside(camera, first, shading.light).normalized();
+    const Vec3 light = carriedAlong(shading.light, first, camera).normalized();
     return {float(shading.ambient), float(shading.diffuse), {float(-light.x), float(-light.y), float(-light.z)}};
 }
 

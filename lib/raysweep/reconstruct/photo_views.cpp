@@ -17,31 +17,6 @@ double pixelEdge(const PhotoCamera& camera, const ReconstructionGrid& grid) {
     return std::max(depth, grid.spacing) / (focal * grid.spacing);
 }
 
-/// Means of `factor` x `factor` pixels.
-Photograph reduced(const Photograph& photograph, int factor) {
-    const Image& from = photograph.matte;
-    Photograph to{photograph.name, resized(photograph.camera, from.width / factor, from.height / factor), {}};
-    to.matte = Image(from.width / factor, from.height / factor, 4);
-    const float part = 1.0f / float(factor * factor);
-    for (int y = 0; y < to.matte.height; ++y)
-        for (int x = 0; x < to.matte.width; ++x)
-            for (int i = 0; i < factor * factor; ++i)
-                for (int c = 0; c < 4; ++c)
-                    to.matte.at(x, y)[c] += part * from.at(x * factor + i % factor, y * factor + i / factor)[c];
-    return to;
-}
-
-void requireUsable(const std::vector<Photograph>& photographs) {
-    if (photographs.empty()) throw InvalidArgument("no photographs");
-    for (const Photograph& photograph : photographs) {
-        photograph.camera.validate();
-        if (photograph.matte.channels != 4)
-            throw InvalidArgument(photograph.name + " has no alpha; free it of its backdrop first");
-        if (photograph.camera.width != photograph.matte.width || photograph.camera.height != photograph.matte.height)
-            throw InvalidArgument(photograph.name + " is not of the size that its camera has");
-    }
-}
-
 /// What a ray stands for, if there are `parts` x `parts` for each pixel.
 RayShare shareOf(const PhotoCamera& camera, const Ray& ray, const CompositeRay& line, const ReconstructionGrid& grid,
                  double parts) {
@@ -177,11 +152,6 @@ void correctColors(const RayShare& share, const RaySamples& s, const std::array<
         const float part = share.at(s.numbers[i]) * (s.transmittances[i] - s.transmittances[i + 1]) / squares;
         values[i] = {0, part * missing[0], part * missing[1], part * missing[2]};
     }
-}
-
-Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light) {
-    return camera.right * light.dot(first.right) + camera.down * light.dot(first.down) +
-           camera.forward * light.dot(first.forward);
 }
 
 }  // namespace raysweep

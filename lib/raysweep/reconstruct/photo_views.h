@@ -51,7 +51,4 @@ void setRays(PhotoRays& rays, const Photograph& picture, const ReconstructionGri
 void correctColors(const RayShare& share, const RaySamples& samples, const std::array<float, 3>& missing,
                    CompositeVoxel* values);
 
-/// Direction in which light travels that comes with the camera, as for the first photograph `light` is (render/rig.h).
-Vec3 lightBeside(const PhotoCamera& camera, const PhotoCamera& first, const Vec3& light);
-
 }  // namespace raysweep

@@ -5,6 +5,7 @@
 #include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace raysweep {
@@ -21,6 +22,9 @@ struct ReconstructionGrid {
     Vec3 voxel(double i, double j, double k) const {
         return center + Vec3(i - 0.5 * (dims.x - 1), j - 0.5 * (dims.y - 1), k - 0.5 * (dims.z - 1)) * spacing;
     }
+
+    /// Voxels along the longest edge.
+    int resolution() const { return std::max({dims.x, dims.y, dims.z}); }
 
     /// Index to world space.
     openvdb::math::Transform::Ptr transform() const;

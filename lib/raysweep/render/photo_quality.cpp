@@ -31,12 +31,6 @@ void requireSize(const Photograph& photograph) {
                               std::to_string(photograph.camera.height) + " and 4 are needed");
 }
 
-/// `light` as it is for `camera` if it is so for `first` and the lamp goes along.
-Vec3 carriedAlong(const Vec3& light, const PhotoCamera& first, const PhotoCamera& camera) {
-    return camera.right * light.dot(first.right) + camera.down * light.dot(first.down) +
-           camera.forward * light.dot(first.forward);
-}
-
 /// The volume as one camera after another sees it. Where light comes from a lamp beside the camera, its colours differ
 /// from view to view.
 class LitColors {

@@ -112,12 +112,6 @@ std::vector<Camera> rigCameras(const RigOptions& options, const Box3& bounds) {
     return cameras;
 }
 
-Vec3 lightBeside(const Camera& camera, const Camera& first, const Vec3& light) {
-    const CameraFrame from = cameraFrame(first), to = cameraFrame(camera);
-    return to.right.normalized() * light.dot(from.right.normalized()) +
-           to.up.normalized() * light.dot(from.up.normalized()) + to.forward * light.dot(from.forward);
-}
-
 std::size_t shoot(const RenderInput& volume, const Rig& rig, const TakePicture& take,
                   const ProgressCallback& progress) {
     rig.shading.validate();
@@ -136,7 +130,8 @@ std::size_t shoot(const RenderInput& volume, const Rig& rig, const TakePicture& 
     for (; done < rig.cameras.size(); ++done) {
         if (normals && (done == 0 || rig.shading.diffuse > 0)) {
             Shading shading = rig.shading;
-            shading.light = lightBeside(rig.cameras[done], rig.cameras.front(), rig.shading.light);
+            shading.light =
+                carriedAlong(rig.shading.light, photoCamera(rig.cameras.front()), photoCamera(rig.cameras[done]));
             lit.radiosity = shaded(*volume.radiosity, *normals, shading);
             ready = RenderVolume(lit);
         }

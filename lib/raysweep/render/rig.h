@@ -42,10 +42,6 @@ struct RigOptions {
 /// @throw InvalidArgument as RigOptions::validate, and if bounds are empty or not finite.
 std::vector<Camera> rigCameras(const RigOptions& options, const Box3& bounds);
 
-/// `light` of the first camera as it is for another one: the lamp is fixed to the camera, or, which is the same, camera
-/// and lamp stand still and the object turns. @throw InvalidArgument as Camera::validate.
-Vec3 lightBeside(const Camera& camera, const Camera& first, const Vec3& light);
-
 /// What takes pictures.
 struct Rig {
     std::vector<Camera> cameras;

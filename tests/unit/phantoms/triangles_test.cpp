@@ -4,6 +4,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/phantoms/convex_clip.h"
+#include "support/expect_error.h"
 #include "support/volumes.h"
 
 #include <gtest/gtest.h>
@@ -37,15 +38,6 @@ double areaOf(const TranslucentTriangle& triangle) {
 
 /// Optical depth of a voxel that is full of the triangle askew().
 const double kDepth = -std::log1p(-kOpacity);
-
-std::string errorOf(const TrianglesOptions& options) {
-    try {
-        options.validate();
-    } catch (const InvalidArgument& e) {
-        return e.what();
-    }
-    return "no error";
-}
 
 }  // namespace
 
@@ -189,13 +181,13 @@ TEST(Triangles, StayInTheCubeAndFillItAsThePapersDo) {
 TEST(Triangles, OptionsNameFieldValueAndBound) {
     TrianglesOptions options;
     options.size = 4;
-    EXPECT_EQ(errorOf(options), "size 4: must be in [8,2048]");
+    EXPECT_EQ(test::errorOf(options), "size 4: must be in [8,2048]");
     options = TrianglesOptions();
     options.count = 0;
-    EXPECT_EQ(errorOf(options), "count 0: must be in [1,100000]");
+    EXPECT_EQ(test::errorOf(options), "count 0: must be in [1,100000]");
     options = TrianglesOptions();
     options.thickness = 9;
-    EXPECT_EQ(errorOf(options), "thickness 9: must be in [0.1,8] voxels");
+    EXPECT_EQ(test::errorOf(options), "thickness 9: must be in [0.1,8] voxels");
     TranslucentTriangle flat = askew();
     flat.corners[2] = flat.corners[1];
     EXPECT_THROW(voxelizeTriangles({flat}, cube(8)), InvalidArgument);

@@ -3,6 +3,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/phantoms/phantom.h"
+#include "support/expect_error.h"
 #include "support/worst.h"
 
 #include <gtest/gtest.h>
@@ -62,16 +63,6 @@ double largestDifference(const Image& a, const Image& b) {
     double worst = 0;
     for (std::size_t i = 0; i < a.pixels.size(); ++i) test::raiseTo(worst, std::abs(double(a.pixels[i]) - b.pixels[i]));
     return worst;
-}
-
-template <class Options>
-std::string errorOf(const Options& options) {
-    try {
-        options.validate();
-    } catch (const InvalidArgument& e) {
-        return e.what();
-    }
-    return "no error";
 }
 
 }  // namespace
@@ -160,7 +151,7 @@ TEST(Rig, TheLampIsFixedToTheCamera) {
     const CameraFrame first = cameraFrame(cameras[0]);
     for (const Camera& camera : cameras) {
         const CameraFrame frame = cameraFrame(camera);
-        const Vec3 turned = lightBeside(camera, cameras[0], light);
+        const Vec3 turned = carriedAlong(light, photoCamera(cameras[0]), photoCamera(camera));
         EXPECT_NEAR(turned.dot(frame.forward), light.dot(first.forward), 1e-12);
         EXPECT_NEAR(turned.dot(frame.right.normalized()), light.dot(first.right.normalized()), 1e-12);
         EXPECT_NEAR(turned.length(), light.length(), 1e-12);
@@ -296,20 +287,20 @@ TEST(Shading, KeepsColoursWhereThereIsNoSurfaceAndTurnsWithTheTransform) {
 TEST(RigOptions, NameFieldValueAndBound) {
     RigOptions options;
     options.views = 0;
-    EXPECT_EQ(errorOf(options), "views 0: must be in [1,100000]");
+    EXPECT_EQ(test::errorOf(options), "views 0: must be in [1,100000]");
     options = RigOptions();
     options.arc = 0;
-    EXPECT_EQ(errorOf(options), "arc 0: must be finite and not 0 degrees");
+    EXPECT_EQ(test::errorOf(options), "arc 0: must be finite and not 0 degrees");
     options = RigOptions();
     options.fov = 180;
-    EXPECT_EQ(errorOf(options), "fov 180: must be between 0 and 180 degrees");
+    EXPECT_EQ(test::errorOf(options), "fov 180: must be between 0 and 180 degrees");
     options = RigOptions();
     options.orthoWidth = -1;
-    EXPECT_EQ(errorOf(options), "orthoWidth -1: must be 0 (automatic) or larger");
+    EXPECT_EQ(test::errorOf(options), "orthoWidth -1: must be 0 (automatic) or larger");
     EXPECT_THROW(rigCameras(RigOptions(), Box3()), InvalidArgument);
-    EXPECT_EQ(errorOf(Shading{1, 0.5, Vec3(1)}), "ambient and diffuse together 1.5: must be at most 1");
-    EXPECT_EQ(errorOf(Shading{-1, 0.5, Vec3(1)}), "ambient -1: must be in [0,1]");
-    EXPECT_EQ(errorOf(Shading{0.5, std::numeric_limits<double>::quiet_NaN(), Vec3(1)}),
+    EXPECT_EQ(test::errorOf(Shading{1, 0.5, Vec3(1)}), "ambient and diffuse together 1.5: must be at most 1");
+    EXPECT_EQ(test::errorOf(Shading{-1, 0.5, Vec3(1)}), "ambient -1: must be in [0,1]");
+    EXPECT_EQ(test::errorOf(Shading{0.5, std::numeric_limits<double>::quiet_NaN(), Vec3(1)}),
               "diffuse nan: must be in [0,1]");
-    EXPECT_EQ(errorOf(Shading{0.5, 0.5, Vec3(0)}), "light (0 0 0): must be finite and not zero");
+    EXPECT_EQ(test::errorOf(Shading{0.5, 0.5, Vec3(0)}), "light (0 0 0): must be finite and not zero");
 }

@@ -1,0 +1,123 @@
+#include "raysweep/reconstruct/photo_level.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
+#include "raysweep/reconstruct/photo_hull.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace raysweep {
+namespace {
+
+/// What a level's voxels are at a place between them.
+class Interpolated {
+  public:
+    explicit Interpolated(const PhotoLevel& level) : level_(level) {}
+
+    /// @return colour of what is kept; extinction; and in `most` the largest extinction of the voxels around
+    CompositeVoxel at(const Vec3& world, float& most) const {
+        const Vec3 place = (world - level_.grid.voxel(0, 0, 0)) / level_.grid.spacing;
+        CompositeVoxel sum;
+        float colors = 0;
+        most = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            float weight = 1;
+            Index3 voxel;
+            for (int axis = 0; axis < 3; ++axis) {
+                const double below = std::floor(place[axis]);
+                const bool upper = (corner >> axis & 1) != 0;
+                weight *= float(upper ? place[axis] - below : 1 - (place[axis] - below));
+                voxel[axis] = int(below) + upper;
+            }
+            bool inside = true;
+            for (int axis = 0; axis < 3; ++axis) inside &= voxel[axis] >= 0 && voxel[axis] < level_.grid.dims[axis];
+            if (!inside) continue;
+            const std::size_t i = level_.layout.voxel(voxel);
+            if (!isSet(level_.layout.masks[i >> 9], int(i >> 6 & 7), int(i >> 3 & 7), int(i & 7))) continue;
+            const CompositeVoxel& v = level_.voxels[i];
+            sum.extinction += weight * v.extinction;
+            sum.red += weight * v.red;
+            sum.green += weight * v.green;
+            sum.blue += weight * v.blue;
+            colors += weight;
+            most = std::max(most, v.extinction);
+        }
+        if (colors > 0) {
+            sum.red /= colors;
+            sum.green /= colors;
+            sum.blue /= colors;
+        }
+        return sum;
+    }
+
+  private:
+    const PhotoLevel& level_;
+};
+
+/// Calls `body(voxel's index, its place)` for all voxels that are kept, several bricks at a time.
+template <class Body>
+void forKept(const PhotoLevel& level, const Body& body) {
+    parallelFor(level.layout.brickCount() - 1, [&](std::size_t n) {
+        const std::size_t b = n + 1;
+        for (int i = 0; i < 512; ++i) {
+            const Index3 within(i >> 6, i >> 3 & 7, i & 7);
+            if (isSet(level.layout.masks[b], within.x, within.y, within.z))
+                body(b * 512 + std::size_t(i), level.layout.origins[b] + within);
+        }
+    });
+}
+
+/// A level with these voxels, all 0.
+PhotoLevel emptyLevel(const ReconstructionGrid& grid, const std::vector<MaskedBrick>& solid) {
+    PhotoLevel level;
+    level.grid = grid;
+    level.layout = compositeLayout(grid.dims, withNeighbours(solid, grid.dims), solid);
+    level.solid.assign(level.layout.brickCount(), {});
+    for (const MaskedBrick& brick : solid)
+        if (brick.mask != VoxelMask{}) level.solid[level.layout.voxel(brick.origin) / 512] = brick.mask;
+
+    level.voxels.assign(level.layout.voxelCount(), {});
+    level.gradient.assign(level.layout.voxelCount(), {});
+    level.moments.assign(level.layout.voxelCount(), {});
+    return level;
+}
+
+}  // namespace
+
+PhotoLevel firstLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid, float hullThreshold) {
+    PhotoLevel level = emptyLevel(grid, photoHull(photographs, grid, hullThreshold));
+    if (level.layout.brickCount() == 1)
+        throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
+    constexpr float kHaze = 0.05f, kGrey = 0.25f;
+    forKept(level, [&](std::size_t i, const Index3&) {
+        level.voxels[i] = {level.isSolid(i) ? kHaze : 0, kGrey, kGrey, kGrey};
+    });
+    return level;
+}
+
+PhotoLevel finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& photographs,
+                      const ReconstructionGrid& grid, float hullThreshold, float prune) {
+    const Interpolated from(coarse);
+    std::vector<MaskedBrick> bricks = photoHull(photographs, grid, hullThreshold);
+    parallelFor(bricks.size(), [&](std::size_t b) {
+        MaskedBrick& brick = bricks[b];
+        for (int i = 0; i < 512; ++i) {
+            const Index3 at = brick.origin + Index3(i >> 6, i >> 3 & 7, i & 7);
+            float most = 0;
+            from.at(grid.voxel(at.x, at.y, at.z), most);
+            if (most < prune) brick.mask[std::size_t(i >> 6)] &= ~(std::uint64_t(1) << (i & 63));
+        }
+    });
+    PhotoLevel level = emptyLevel(grid, bricks);
+    const float finer = float(grid.spacing / coarse.grid.spacing);
+    forKept(level, [&](std::size_t i, const Index3& at) {
+        float most;
+        level.voxels[i] = from.at(grid.voxel(at.x, at.y, at.z), most);
+        level.voxels[i].extinction *= level.isSolid(i) ? finer : 0;
+    });
+    return level;
+}
+
+}  // namespace raysweep
