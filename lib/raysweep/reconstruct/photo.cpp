@@ -90,67 +90,10 @@ ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const Pho
     return photoGrid(box, resolutionOf(options));
 }
 
-/// Sums of squares of differences.
-struct Squares {
-    double opacity = 0, color = 0;
-    void operator+=(const Squares& other) { opacity += other.opacity, color += other.color; }
-};
-
-/// Adds what `result` differs from the reference by, over all voxels of the grid, to the last point.
-void compare(const ColorVolume& reference, const ReconstructionGrid& grid, PhotoReconstruction& result) {
-    if (result.history.empty()) return;
-    const openvdb::FloatGrid::Ptr known = opacityGrid(*reference.density);
-    const openvdb::Vec3d origin = result.density->indexToWorld(Coord(0));
-    const Coord shift = Coord::round(known->transform().worldToIndex(origin));
-    const openvdb::Vec3STree &color = result.color->tree(), &knownColor = reference.color->tree();
-    const openvdb::CoordBBox all(Coord(0), Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
-    const auto difference = [&](const Coord& at, float alpha, float knownAlpha) {
-        const openvdb::Vec3d c =
-            openvdb::Vec3d(color.getValue(at)) * alpha - openvdb::Vec3d(knownColor.getValue(at + shift)) * knownAlpha;
-        return Squares{double(alpha - knownAlpha) * (alpha - knownAlpha), c.lengthSqr() / 3};
-    };
-    Squares sum = sumOverActive<Squares>(*result.opacity, [&](Squares& to, float alpha, const openvdb::CoordBBox& box) {
-        for (const Coord& at : box) to += difference(at, alpha, known->tree().getValue(at + shift));
-    });
-    sum += sumOverActive<Squares>(*known, [&](Squares& to, float alpha, const openvdb::CoordBBox& box) {
-        for (const Coord& at : box)
-            if (all.isInside(at - shift) && !result.opacity->tree().isValueOn(at - shift))
-                to += difference(at - shift, 0, alpha);
-    });
-    const double voxels = double(grid.dims.x) * grid.dims.y * grid.dims.z;
-    result.history.back().opacity = std::sqrt(sum.opacity / voxels);
-    result.history.back().color = std::sqrt(sum.color / voxels);
-}
-
 double pixelCount(const std::vector<Photograph>& photographs) {
     double count = 0;
     for (const Photograph& photograph : photographs) count += double(photograph.matte.width) * photograph.matte.height;
     return count;
-}
-
-std::vector<PhotoPoint> historyOf(const PhotoFitResult& from) {
-    std::vector<PhotoPoint> history;
-    for (const PhotoFitPoint& point : from.history) {
-        PhotoPoint all;
-        all.updates = point.updates;
-        all.seconds = point.seconds;
-        all.resolution = point.resolution;
-        all.imageError = std::pow(10, -point.fitted / 20);
-        all.leftOut = std::pow(10, -point.leftOut / 20);
-        history.push_back(all);
-    }
-    return history;
-}
-
-PhotoTermination terminationOf(PhotoFitTermination termination) {
-    switch (termination) {
-        case PhotoFitTermination::interrupted:
-            return PhotoTermination::interrupted;
-        case PhotoFitTermination::overfitted:
-            return PhotoTermination::overfitted;
-        default:
-            return PhotoTermination::iterations;
-    }
 }
 
 PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const PhotoOptions& options,
@@ -163,20 +106,7 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     fit.seed = options.seed;
     fit.raysPerUpdate = int(
         std::min<double>(fit.raysPerUpdate, std::max<double>(kFewestRays, pixelCount(photographs) / kFewestUpdates)));
-    const PhotoFitResult from = fitPhotographs(photographs, fit, progress);
-    PhotoReconstruction to;
-    to.density = from.density;
-    to.opacity = from.opacity;
-    to.color = extendedColor(*from.color, *from.density);
-    to.history = historyOf(from);
-    if (!to.history.empty()) to.updates = to.history.back().updates;
-    to.termination = terminationOf(from.termination);
-    to.resolution = from.resolution;
-    to.timings = {from.timings.prepared, 0, from.timings.updates, from.timings.total};
-    to.keptVoxels = from.keptVoxels;
-    to.samples = from.samples;
-    if (options.reference) compare(*options.reference, grid, to);
-    return to;
+    return fitPhotographs(photographs, fit, options.reference ? &*options.reference : nullptr, progress);
 }
 
 PhotoReconstruction corrected(const std::vector<Photograph>& photographs, const PhotoOptions& options,

@@ -13,12 +13,11 @@
 
 #include "raysweep/camera/photographs.h"
 #include "raysweep/core/progress.h"
-#include "raysweep/volume/grids.h"
+#include "raysweep/reconstruct/photo_result.h"
+#include "raysweep/volume/color_volume.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace raysweep {
@@ -49,45 +48,13 @@ struct PhotoFitOptions {
     void validate() const;
 };
 
-enum class PhotoFitTermination {
-    passes,      ///< all passes were made in all grids
-    overfitted,  ///< a finer grid made the pixels that are left out worse: the volume is the coarser one
-    interrupted  ///< the progress callback said stop; the volume is what there was
-};
-
-/// How far it was.
-struct PhotoFitPoint {
-    int updates;     ///< so far
-    double seconds;  ///< since the beginning
-    int resolution;  ///< voxels along the longest edge of the grid
-    double fitted;   ///< PSNR of the pixels since the last point, each just before its update, on white as displays
-                     ///< encode it, dB
-    double leftOut;  ///< PSNR of the pixels that are not fitted; NaN without any
-};
-
-struct PhotoFitTimings {
-    double prepared = 0;  ///< s: pictures, hull
-    double updates = 0;   ///< s: derivatives and steps
-    double total = 0;
-};
-
-struct PhotoFitResult {
-    openvdb::FloatGrid::Ptr density;  ///< "density", extinction, 1/world unit
-    openvdb::FloatGrid::Ptr opacity;  ///< "opacity", of one voxel's edge, in [0,1]
-    openvdb::Vec3SGrid::Ptr color;    ///< "Cd", linear light
-    std::vector<PhotoFitPoint> history;
-    PhotoFitTermination termination = PhotoFitTermination::passes;
-    PhotoFitTimings timings;
-    int resolution = 0;          ///< voxels along the longest edge of the grid
-    std::size_t keptVoxels = 0;  ///< of the hull, without what has emptied, and those around it
-    double samples = 0;          ///< of rays, in all updates
-};
-
 /// Memory: 64 bytes for each voxel of a brick of the hull, and the pictures at `pictureSize`. The same bits for any
 /// number of threads.
+/// @param reference of which the last point of the history tells the RMS difference, if the grid that is reached has
+/// its voxels; may be null
 /// @throw InvalidArgument for options out of bounds, photographs without alpha, cameras of other sizes than their
 /// pictures, and photographs that show nothing.
-PhotoFitResult fitPhotographs(const std::vector<Photograph>& photographs, const PhotoFitOptions& options,
-                              const ProgressCallback& progress = {});
+PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, const PhotoFitOptions& options,
+                                   const ColorVolume* reference = nullptr, const ProgressCallback& progress = {});
 
 }  // namespace raysweep

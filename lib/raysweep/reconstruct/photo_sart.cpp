@@ -5,8 +5,9 @@
 
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
-#include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/photo_hull.h"
+#include "raysweep/reconstruct/photo_reference.h"
+#include "raysweep/reconstruct/photo_rules.h"
 #include "raysweep/reconstruct/photo_step.h"
 #include "raysweep/reconstruct/photo_views.h"
 
@@ -22,121 +23,10 @@
 namespace raysweep {
 namespace {
 
-/// Added to opacity: what is empty can fill, and what is nearly clear is not stuck.
-constexpr float kLeastOpacity = 0.01f;
 /// Voxels more opaque than this cannot be told from each other.
 constexpr float kMostExtinction = 10;
 /// Updates for which normals are kept: they change more slowly than what they belong to.
 constexpr int kNormalsEvery = 8;
-
-/// Sums of squares.
-struct Squares {
-    double opacity = 0, color = 0;
-    Squares& operator+=(const Squares& other) {
-        opacity += other.opacity;
-        color += other.color;
-        return *this;
-    }
-};
-
-/// Voxel's opacity and opacity times colour.
-CompositeVoxel matterOf(const CompositeVoxel& voxel) {
-    const float opacity = -std::expm1(-voxel.extinction);
-    return {opacity, opacity * voxel.red, opacity * voxel.green, opacity * voxel.blue};
-}
-
-/// Calls `body(voxel, extinction of its edge and colour)` for the active voxels of a volume that lie in the grid.
-template <class Body>
-void forVoxels(const ColorVolume& volume, const ReconstructionGrid& grid, const char* what, const Body& body) {
-    const auto shift = shiftTo(*volume.density, grid);
-    if (!shift)
-        throw InvalidArgument(std::string("the voxels of the ") + what +
-                              " volume are not where those of the reconstruction are: choose the grid such that they "
-                              "are, or resample it");
-    const openvdb::CoordBBox all(*shift, shift->offsetBy(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1));
-    const auto color = volume.color->getConstAccessor();
-    for (auto value = volume.density->cbeginValueOn(); value; ++value) {
-        openvdb::CoordBBox box = value.getBoundingBox();
-        box.intersect(all);
-        for (const openvdb::Coord& at : box) {
-            const openvdb::Vec3s c = color.getValue(at);
-            const openvdb::Coord to = at - *shift;
-            body(Index3(to.x(), to.y(), to.z()), CompositeVoxel{float(*value * grid.spacing), c[0], c[1], c[2]});
-        }
-    }
-}
-
-/// A reference, in the bricks of a layout.
-class Reference {
-  public:
-    Reference(const ColorVolume& volume, const ReconstructionGrid& grid, const CompositeLayout& layout)
-        : layout_(layout), matter_(layout.voxelCount()), total_(double(grid.dims.x) * grid.dims.y * grid.dims.z) {
-        forVoxels(volume, grid, "reference", [&](const Index3& at, const CompositeVoxel& voxel) {
-            const std::size_t i = layout.voxel(at);
-            if (i >= 512)
-                matter_[i] = matterOf(voxel);
-            else
-                outside_ += squares(matterOf(voxel), {});
-        });
-    }
-
-    /// RMS difference over all voxels of the grid. @param matter of a voxel, by its index
-    template <class Matter>
-    void compare(const Matter& matter, PhotoPoint& point) const {
-        Squares sum = orderedSum<Squares>(layout_.brickCount() - 1, [&](std::size_t n) {
-            Squares brick;
-            for (std::size_t i = (n + 1) * 512; i < (n + 2) * 512; ++i) brick += squares(matter(i), matter_[i]);
-            return brick;
-        });
-        sum += outside_;
-        point.opacity = std::sqrt(sum.opacity / total_);
-        point.color = std::sqrt(sum.color / total_);
-    }
-
-  private:
-    static Squares squares(const CompositeVoxel& a, const CompositeVoxel& b) {
-        const double o = double(a.extinction) - b.extinction;
-        const double red = double(a.red) - b.red, green = double(a.green) - b.green, blue = double(a.blue) - b.blue;
-        return {o * o, (red * red + green * green + blue * blue) / 3};
-    }
-
-    const CompositeLayout& layout_;
-    std::vector<CompositeVoxel> matter_;
-    Squares outside_;  ///< of what lies in no brick
-    double total_;
-};
-
-/// What a picture shows more than `seen`, times opacity.
-std::array<float, 3> missing(const std::array<float, 4>& pixel, const RayColor& seen) {
-    return {pixel[0] - seen.red, pixel[1] - seen.green, pixel[2] - seen.blue};
-}
-
-/// Eq. 1.
-void paperRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, CompositeVoxel* values) {
-    const auto& pixel = rays.pixels[r];
-    const float part = 1 / (float(s.ray.count) * s.ray.length);
-    const auto colors = missing(pixel, s.color);
-    const float opacity = pixel[3] - (1 - s.color.transmittance);
-    for (std::size_t i = 0; i < s.count; ++i) {
-        const float share = part * rays.shares[r].at(s.numbers[i]);
-        values[i] = {share * opacity, share * colors[0], share * colors[1], share * colors[2]};
-    }
-}
-
-/// Eq. 2. @param mostDepth from which pixels say "at least"
-void consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const RaySamples& s,
-                    CompositeVoxel* values) {
-    const auto& pixel = rays.pixels[r];
-    float opacities = kLeastOpacity * s.ray.length * float(s.count);
-    for (std::size_t i = 0; i < s.count; ++i) opacities += 1 - s.transmittances[i + 1] / s.transmittances[i];
-    const float depth = -std::log(std::max(s.color.transmittance, 1e-30f));
-    const float asked = std::min(mostDepth, -std::log(std::max(1 - pixel[3], 1e-30f)));
-    float change = asked - depth;
-    if (asked >= mostDepth) change = std::max(change, 0.0f);
-    change /= std::max(opacities, 1e-6f);
-    correctColors(rays.shares[r], s, missing(pixel, s.color), values);
-    for (std::size_t i = 0; i < s.count; ++i) values[i].extinction = rays.shares[r].at(s.numbers[i]) * change;
-}
 
 /// All voxels of a grid.
 std::vector<MaskedBrick> allBricks(const ReconstructionGrid& grid) {
@@ -192,14 +82,14 @@ class PhotoSolver {
 
     /// Those voxels that are kept.
     void startFrom(const ColorVolume& initial) {
-        forVoxels(initial, grid_, "initial", [&](const Index3& at, const CompositeVoxel& voxel) {
+        forVoxelsIn(grid_, initial, "initial", [&](const Index3& at, const CompositeVoxel& voxel) {
             const std::size_t i = layout_.voxel(at);
             if (!isSet(layout_.masks[i >> 9], at.x & 7, at.y & 7, at.z & 7)) return;
             volume_[i] = additive_ ? matterOf(voxel) : voxel;
         });
     }
 
-    void run(const Reference* reference, const ProgressCallback& progress) {
+    void run(const PhotoReference* reference, const ProgressCallback& progress) {
         const std::size_t views = pictures_.size();
         std::vector<std::size_t> order(views);
         for (std::size_t i = 0; i < views; ++i) order[i] = i;
@@ -323,7 +213,7 @@ class PhotoSolver {
         inPass_ = {};
     }
 
-    void addPoint(const Reference* reference) {
+    void addPoint(const PhotoReference* reference) {
         PhotoPoint point;
         point.updates = result_.updates;
         point.seconds = result_.timings.updates;
@@ -404,7 +294,7 @@ PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const 
     if (layout.brickCount() == 1)
         throw InvalidArgument("the photographs show nothing of the grid; check its place, mattes and poses");
     result.keptVoxels = layout.keptVoxels();
-    std::optional<Reference> known;
+    std::optional<PhotoReference> known;
     if (volumes.reference) known.emplace(*volumes.reference, grid, layout);
     PhotoSolver solver({pictures, grid, options}, layout, result);
     if (volumes.initial) solver.startFrom(*volumes.initial);

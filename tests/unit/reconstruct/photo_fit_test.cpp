@@ -263,11 +263,11 @@ TEST(PhotoHull, HoldsTheBall) {
 // too bright, and pixels that differ by 36.1 dB; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
 TEST(PhotoFit, BallFromTwelveViews) {
     const Ball ball;
-    const PhotoFitResult result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
-    EXPECT_EQ(result.termination, PhotoFitTermination::passes);
+    const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
+    EXPECT_EQ(result.termination, PhotoTermination::iterations);
     ASSERT_FALSE(result.history.empty());
-    EXPECT_GT(result.history.back().fitted, 35.8);
-    EXPECT_GT(result.history.back().leftOut, 35.8);
+    EXPECT_LT(result.history.back().imageError, std::pow(10, -35.8 / 20));
+    EXPECT_LT(result.history.back().leftOut, std::pow(10, -35.8 / 20));
     double mass = 0, inside = 0, count = 0, color = 0;
     for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Vec3d at = result.density->indexToWorld(voxel.getCoord());
@@ -289,24 +289,24 @@ TEST(PhotoFit, SameBitsForAnyThreads) {
     options.passes = 2;
     options.levels = 2;
     options.resolution = 32;
-    std::vector<PhotoFitResult> results;
+    std::vector<PhotoReconstruction> results;
     for (const int threads : {1, 2, 5}) {
         const ThreadLimit limit(threads);
         results.push_back(fitPhotographs(photographs, options));
     }
-    for (const PhotoFitResult& result : results) {
+    for (const PhotoReconstruction& result : results) {
         ASSERT_EQ(result.density->activeVoxelCount(), results[0].density->activeVoxelCount());
         for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel)
             ASSERT_EQ(*voxel, results[0].density->tree().getValue(voxel.getCoord()));
-        EXPECT_EQ(result.history.back().fitted, results[0].history.back().fitted);
+        EXPECT_EQ(result.history.back().imageError, results[0].history.back().imageError);
     }
 }
 
 TEST(PhotoFit, StopsWhenAsked) {
     int calls = 0;
-    const PhotoFitResult result = fitPhotographs(photographsOf(Ball{}, 6, 32), smallFit(),
-                                                 [&](const std::string&, double) { return ++calls < 3; });
-    EXPECT_EQ(result.termination, PhotoFitTermination::interrupted);
+    const PhotoReconstruction result = fitPhotographs(photographsOf(Ball{}, 6, 32), smallFit(), nullptr,
+                                                      [&](const std::string&, double) { return ++calls < 3; });
+    EXPECT_EQ(result.termination, PhotoTermination::interrupted);
     EXPECT_GT(result.density->activeVoxelCount(), 0u);
 }
 
