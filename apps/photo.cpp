@@ -78,8 +78,10 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     options.resolution = a.size;
     if (a.iterations) options.iterations = *a.iterations;
     if (a.relaxation) options.relaxation = *a.relaxation;
-    options.fit.smoothExtinction *= a.smooth.value_or(1);
-    options.fit.smoothColor *= a.smooth.value_or(1);
+    if (a.smooth) {
+        options.fit.smoothness = *a.smooth;
+        options.fit.adaptSmoothness = false;
+    }
     options.light = {a.shading, !a.lampStands};
     options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
     options.findLight = a.findLight;

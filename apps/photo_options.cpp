@@ -71,8 +71,10 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
         ->type_name("fit|consistent|paper");
     app.add_option("--iterations", a.iterations, "How often each pixel is used (default: by method)")->type_name("N");
     app.add_option("--relaxation", a.relaxation, "consistent, paper: part of each correction that is made");
-    app.add_option("--smooth", a.smooth,
-                   "fit: factor of the total variation that is kept small; less for many clean pictures (default: 1)");
+    app.add_option(
+           "--smooth", a.smooth,
+           "fit: weight of the total variation that is kept small (default: as pixels that are left out want it)")
+        ->type_name("W");
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
     app.add_option("--diffuse", a.shading.diffuse, "Part of colours that is seen by Lambert's law")

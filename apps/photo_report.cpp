@@ -142,6 +142,7 @@ nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& out
                  {"peak_bytes", outcome.peakBytes},
                  {"termination", nameOf(result.termination)}};
     addQuality(json, outcome.judgement);
+    if (a.method == "fit") json["smoothness"] = result.smoothness;
     json["views"] = sets.used.views.size();
     json["views_held_out"] = sets.heldOut.views.size();
     json["views_test"] = sets.test.views.size();

@@ -20,6 +20,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 
 namespace raysweep {
@@ -48,14 +49,37 @@ std::vector<std::uint32_t> shuffled(std::vector<std::uint32_t> pixels, std::mt19
     return pixels;
 }
 
+/// How smooth the volume is kept follows from pixels that are left out. Every now and then their loss is differentiated
+/// along what a step of smoothing does: if less variation would meet them better it weighs more (J. Luketina and
+/// others, "Scalable Gradient-Based Tuning of Continuous Regularization Hyperparameters", ICML 2016). Colour is asked,
+/// extinction goes along: while surfaces are still getting sharper, smoothing them looks worse than it proves to be.
+class Smoothness {
+  public:
+    explicit Smoothness(double weight) : weight_(weight) {}
+
+    double weight() const { return weight_; }
+
+    /// Adam on the logarithm of the weight. @param helps as smoothingHelps, of the whole volume
+    void follow(double helps) {
+        constexpr double kRate = 0.15, kKeep = 0.7, kKeepSquare = 0.9;
+        mean_ = kKeep * mean_ + (1 - kKeep) * helps;
+        square_ = kKeepSquare * square_ + (1 - kKeepSquare) * helps * helps;
+        if (square_ > 0) weight_ *= std::exp(kRate * mean_ / std::sqrt(square_));
+    }
+
+  private:
+    double weight_, mean_ = 0, square_ = 0;
+};
+
 /// The updates of one level.
 class LevelFit {
   public:
-    LevelFit(PhotoLevel& level, const PhotoPixels& pixels, const PhotoFitOptions& options, const Timer& timer,
-             PhotoReconstruction& result)
+    LevelFit(PhotoLevel& level, const PhotoPixels& pixels, const PhotoFitOptions& options, Smoothness& smoothness,
+             const Timer& timer, PhotoReconstruction& result)
         : level_(level),
           pixels_(pixels),
           options_(options),
+          smoothness_(smoothness),
           timer_(timer),
           result_(result),
           sets_(pixelsMeeting(pixels, level, options)),
@@ -83,7 +107,38 @@ class LevelFit {
     void update(int number, double done, std::size_t piece) {
         const std::size_t together = std::size_t(options_.raysPerUpdate), first = piece * together;
         const std::size_t count = std::min(together, sets_.fitted.size() - first);
-        batch_.set(pixels_, order_.data() + first, count, level_, options_.samplesPerSlice);
+        differentiate(order_.data() + first, count);
+        result_.samples += double(tape_.samples);
+        error_ += batch_.error();
+        seen_ += double(count);
+        if (number % kSmoothEvery == 0) smooth(double(count) / double(kept_));
+        step(number, done);
+        ++result_.updates;
+        if (options_.adaptSmoothness && number % kTuneEvery == kTuneEvery - 1) tuneSmoothness();
+    }
+
+    /// By some of the pixels that are left out, the next each time.
+    void tuneSmoothness() {
+        if (sets_.leftOut.empty()) return;
+        const std::size_t count = std::min(sets_.leftOut.size(), std::size_t(options_.raysPerUpdate) / 4);
+        if (nextLeftOut_ + count > sets_.leftOut.size()) nextLeftOut_ = 0;
+        if (nextLeftOut_ == 0) sets_.leftOut = shuffled(sets_.leftOut, random_);
+        differentiate(sets_.leftOut.data() + nextLeftOut_, count);
+        nextLeftOut_ += count;
+        const std::size_t bricks = level_.layout.brickCount() - 1;
+        std::vector<double> helps(bricks);
+        parallelFor(bricks, [&](std::size_t n) {
+            const std::size_t first = (n + 1) * 512;
+            CompositeVoxel* gradient = level_.gradient.data() + first;
+            helps[n] = smoothingHelps(level_.layout, level_.voxels.data(), n + 1, gradient, &level_.moments[first]);
+            std::fill_n(gradient, 512, CompositeVoxel());
+        });
+        smoothness_.follow(std::accumulate(helps.begin(), helps.end(), 0.0));
+    }
+
+    /// Adds the derivative of some pixels' loss to the level's.
+    void differentiate(const std::uint32_t* chosen, std::size_t count) {
+        batch_.set(pixels_, chosen, count, level_, options_.samplesPerSlice);
         const Backdrops backdrops{float(options_.backdrop), float(options_.backdropSpread)};
         compositeGradient(
             level_.layout, level_.voxels.data(), batch_.rays,
@@ -92,19 +147,12 @@ class LevelFit {
                     batch_.errors[at + i] = pixelLoss(batch_.targets[at + i], colors[i], backdrops, derivatives[i]);
             },
             tape_, level_.gradient.data());
-        result_.samples += double(tape_.samples);
-        error_ += batch_.error();
-        seen_ += double(count);
-        if (number % kSmoothEvery == 0) smooth(double(count) / double(kept_));
-        step(number, done);
-        ++result_.updates;
     }
 
     void smooth(double raysPerVoxel) {
         const float weight = float(raysPerVoxel * kSmoothEvery);
         SmoothWeights weights;
-        weights.extinction = weight * float(options_.smoothExtinction);
-        weights.color = weight * float(options_.smoothColor);
+        weights.extinction = weights.color = weight * float(smoothness_.weight());
         weights.sparsity = weight * float(options_.sparsity);
         parallelFor(level_.layout.brickCount() - 1, [&](std::size_t n) {
             smoothBrick(level_.layout, level_.voxels.data(), n + 1, weights, level_.gradient.data() + (n + 1) * 512);
@@ -154,16 +202,19 @@ class LevelFit {
     }
 
     static constexpr int kSmoothEvery = 4;  ///< updates; weighted accordingly
+    static constexpr int kTuneEvery = 8;    ///< updates
 
     PhotoLevel& level_;
     const PhotoPixels& pixels_;
     const PhotoFitOptions& options_;
+    Smoothness& smoothness_;
     const Timer& timer_;
     PhotoReconstruction& result_;
     PixelSets sets_;
     std::vector<std::uint32_t> order_;  ///< of the fitted pixels in this pass
     std::mt19937 random_;
     std::size_t kept_;
+    std::size_t nextLeftOut_ = 0;
     PhotoBatch batch_;
     CompositeTape tape_;
     double error_ = 0, seen_ = 0;  ///< since the last point of the history
@@ -207,9 +258,7 @@ void PhotoFitOptions::validate() const {
     requireField(extinctionRate > 0 && std::isfinite(extinctionRate), "extinctionRate", extinctionRate, "above 0");
     requireField(colorRate > 0 && std::isfinite(colorRate), "colorRate", colorRate, "above 0");
     requireField(lastRate > 0 && lastRate <= 1, "lastRate", lastRate, "in (0,1]");
-    requireField(smoothExtinction >= 0 && std::isfinite(smoothExtinction), "smoothExtinction", smoothExtinction,
-                 "0 or more, and finite");
-    requireField(smoothColor >= 0 && std::isfinite(smoothColor), "smoothColor", smoothColor, "0 or more, and finite");
+    requireField(smoothness >= 0 && std::isfinite(smoothness), "smoothness", smoothness, "0 or more, and finite");
     requireField(sparsity >= 0 && std::isfinite(sparsity), "sparsity", sparsity, "0 or more, and finite");
     requireField(backdrop >= 0 && backdrop <= 1, "backdrop", backdrop, "in [0,1]");
     requireField(backdropSpread > 0 && backdropSpread <= 1, "backdropSpread", backdropSpread, "in (0,1]");
@@ -231,6 +280,7 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     double done = 0;
     const float hull = float(options.hullThreshold);
     PhotoLevel level, coarser;
+    Smoothness smoothness(options.smoothness);
     for (int n = 0; n < options.levels; ++n) {
         const int finest = options.levels - 1;
         const ReconstructionGrid grid = photoGrid(box, std::max(8, options.resolution >> (finest - n)));
@@ -241,7 +291,8 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
             n == 0 ? firstLevel(pictures, grid, hull) : finerLevel(coarser, pictures, grid, hull, float(options.prune));
         const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
-        if (!LevelFit(level, pixels, options, timer, result).run(passes, progress, done / all, (done + passes) / all)) {
+        if (!LevelFit(level, pixels, options, smoothness, timer, result)
+                 .run(passes, progress, done / all, (done + passes) / all)) {
             result.termination = PhotoTermination::interrupted;
             break;
         }
@@ -254,6 +305,7 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     }
     result.keptVoxels = level.layout.keptVoxels();
     result.resolution = level.grid.resolution();
+    result.smoothness = smoothness.weight();
     addGrids(level, result);
     if (reference && !result.history.empty() && shiftTo(*reference->density, level.grid))
         PhotoReference(*reference, level.grid, level.layout)

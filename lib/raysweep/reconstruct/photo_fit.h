@@ -34,14 +34,15 @@ struct PhotoFitOptions {
     double extinctionRate = 0.1;       ///< first step of extinction, 1/edge of a voxel, > 0
     double colorRate = 0.02;           ///< first step of the square root of colours, > 0
     double lastRate = 0.1;             ///< part of the rates that is left at the end of a grid, in (0,1]
-    double smoothExtinction = 3e-2;    ///< weight of extinction's total variation, >= 0
-    double smoothColor = 3e-2;         ///< weight of the colours' total variation, >= 0
+    double smoothness = 3e-3;          ///< weight of the total variation of extinction and of colour, >= 0
+    bool adaptSmoothness = true;       ///< that is where it begins; then it follows from the pixels that are left out
     double sparsity = 1e-3;            ///< weight of log(1 + 2 extinction²), >= 0
     double backdrop = 0.5;             ///< mean of the backdrops that pictures are compared on, in [0,1]
     double backdropSpread = 1.0 / 12;  ///< their variance, > 0
     double hullThreshold = 0.02;       ///< alpha above which a pixel shows something, in [0,1)
     double prune = 0.01;    ///< extinction below which a coarse voxel without others around it is dropped, >= 0
-    double leftOut = 0.02;  ///< part of the pixels that is not fitted but compared with, in [0,0.5)
+    double leftOut = 0.02;  ///< part of the pixels that is not fitted but compared with, in [0,0.5); with none
+                            ///< smoothness stays
     std::uint32_t seed = 1;
 
     /// @throw InvalidArgument naming field, value and bound.

@@ -56,7 +56,8 @@ struct PhotoReconstruction {
     PhotoTermination termination = PhotoTermination::iterations;
     std::optional<PhotoLight> light;  ///< where it was asked for
     PhotoTimings timings;
-    int resolution = 0;  ///< voxels along the longest edge of the grid
+    double smoothness = 0;  ///< fit: weight of total variation that it ended with
+    int resolution = 0;     ///< voxels along the longest edge of the grid
     int updates = 0;
     std::size_t keptVoxels = 0;  ///< in the bricks that had memory
     double samples = 0;          ///< of rays, in all updates

@@ -1,6 +1,7 @@
 #include "raysweep/reconstruct/voxel_fit.h"
 
 #include <cmath>
+#include <vector>
 
 #include "raysweep/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
@@ -123,6 +124,24 @@ void stepBrick(CompositeVoxel* voxels, CompositeVoxel* gradient, AdamMoments* mo
 void smoothBrick(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b,
                  const SmoothWeights& weights, CompositeVoxel* gradient) {
     HWY_DYNAMIC_DISPATCH(smoothBrickDispatched)(layout, voxels, b, weights, gradient);
+}
+
+double smoothingHelps(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b,
+                      const CompositeVoxel* gradient, const AdamMoments* moments) {
+    SmoothWeights unit;
+    unit.color = 1;
+    std::vector<CompositeVoxel> rough(512);
+    smoothBrick(layout, voxels, b, unit, rough.data());
+    double sum = 0;
+    for (std::size_t i = 0; i < 512; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const float moment = (&moments[i].second.red)[c];
+            if (!(moment > 0)) continue;
+            // Colours move in their roots: both derivatives are times 2 root.
+            const float square = 4 * (&voxels[b * 512 + i].red)[c];
+            sum += double(square) * (&gradient[i].red)[c] * (&rough[i].red)[c] / std::sqrt(moment);
+        }
+    return sum;
 }
 
 }  // namespace raysweep

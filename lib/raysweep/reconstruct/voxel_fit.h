@@ -43,4 +43,9 @@ struct SmoothWeights {
 void smoothBrick(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b,
                  const SmoothWeights& weights, CompositeVoxel* gradient);
 
+/// What a step of Adam that lowers the total variation of colour, at weight 1, does to a loss: > 0 if it lowers that
+/// too. Of brick `b`. @param gradient derivatives of the loss with respect to its voxels @param moments of its voxels
+double smoothingHelps(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b,
+                      const CompositeVoxel* gradient, const AdamMoments* moments);
+
 }  // namespace raysweep

@@ -235,6 +235,36 @@ TEST(VoxelFit, SmoothnessLikeDifferences) {
     });
 }
 
+// A loss that is linear in colours, before and behind on the way that lowers the total variation.
+TEST(VoxelFit, SmoothingHelpsIsADerivative) {
+    const CompositeLayout layout = compositeLayout({16, 8, 8}, {{{0, 0, 0}, fullMask()}, {{8, 0, 0}, fullMask()}});
+    std::mt19937 random(4);
+    std::vector<CompositeVoxel> voxels(layout.voxelCount()), gradient(voxels.size()), rough(voxels.size());
+    std::vector<AdamMoments> moments(voxels.size());
+    for (std::size_t i = 512; i < voxels.size(); ++i) {
+        voxels[i] = randomVoxel(random, 0.1f, 0.9f);
+        gradient[i] = randomVoxel(random, -1, 1);
+        moments[i].second = randomVoxel(random, 0.5f, 2);
+    }
+    SmoothWeights color;
+    color.color = 1;
+    constexpr double kStep = 1e-4;
+    double helps = 0, lowered = 0;
+    for (std::size_t b = 1; b < layout.brickCount(); ++b) {
+        const std::size_t first = b * 512;
+        helps += smoothingHelps(layout, voxels.data(), b, &gradient[first], &moments[first]);
+        smoothBrick(layout, voxels.data(), b, color, &rough[first]);
+        for (std::size_t i = first; i < first + 512; ++i)
+            for (int c = 1; c < 4; ++c) {
+                const double before = (&voxels[i].extinction)[c], root = std::sqrt(before);
+                const double slope = 2 * root * (&rough[i].extinction)[c];
+                const double step = kStep * slope / std::sqrt((&moments[i].second.extinction)[c]);
+                lowered += (&gradient[i].extinction)[c] * (std::pow(root + step, 2) - std::pow(root - step, 2)) / 2;
+            }
+    }
+    EXPECT_NEAR(helps, lowered / kStep, 1e-5 * std::abs(helps));  // floats
+}
+
 // The hull holds all of the ball, and of the corners nothing: twelve cones around a ball hold little more than the
 // ball.
 TEST(PhotoHull, HoldsTheBall) {
@@ -281,6 +311,26 @@ TEST(PhotoFit, BallFromTwelveViews) {
     EXPECT_NEAR(mass * std::pow(2.0 / 16, 3), expected, 0.035 * expected);
     EXPECT_NEAR(inside / count, ball.extinction, 0.038 * ball.extinction);
     EXPECT_NEAR(color / count, ball.color[0], 0.012 * ball.color[0]);
+}
+
+// Noise of which no picture knows the other's asks for a smoother volume than pictures without.
+TEST(PhotoFit, SmoothnessFollowsFromThePictures) {
+    std::vector<Photograph> photographs = photographsOf(Ball{}, 12, 32);
+    PhotoFitOptions options = smallFit();
+    options.leftOut = 0.1;
+    const double clean = fitPhotographs(photographs, options).smoothness;
+    std::mt19937 random(5);
+    std::normal_distribution<float> noise(0, 0.1f);
+    for (Photograph& photograph : photographs)
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x) {
+                float* pixel = photograph.matte.at(x, y);
+                for (int c = 0; c < 3; ++c) pixel[c] = std::clamp(pixel[c] + pixel[3] * noise(random), 0.0f, pixel[3]);
+            }
+    const double noisy = fitPhotographs(photographs, options).smoothness;
+    EXPECT_GT(noisy, 3 * clean) << clean;
+    options.adaptSmoothness = false;
+    EXPECT_EQ(fitPhotographs(photographs, options).smoothness, options.smoothness);
 }
 
 TEST(PhotoFit, SameBitsForAnyThreads) {
