@@ -67,11 +67,6 @@ ReconstructionGrid gridOn(const openvdb::FloatGrid& reference, const Box3& box) 
     return grid;
 }
 
-Box3 boxOf(const ReconstructionGrid& grid) {
-    const Vec3 half = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * (0.5 * grid.spacing);
-    return Box3(grid.center - half, grid.center + half);
-}
-
 Box3 activeBox(const openvdb::FloatGrid& reference) {
     const openvdb::CoordBBox active = reference.evalActiveVoxelBoundingBox();
     if (active.empty()) throw InvalidArgument("the reference has no active voxels");
@@ -158,7 +153,7 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     const ReconstructionGrid grid = gridFor(photographs, options);
     PhotoFitOptions fit = options.fit;
     if (options.iterations > 0) fit.passes = options.iterations;
-    fit.box = boxOf(grid);
+    fit.box = grid.box();
     fit.resolution = grid.resolution();
     fit.seed = options.seed;
     fit.raysPerUpdate = int(
@@ -175,6 +170,7 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     to.timings = {from.timings.prepared, 0, from.timings.updates, from.timings.total};
     to.keptVoxels = from.keptVoxels;
     to.samples = from.samples;
+    to.poses = from.poses;
     if (options.reference) compare(*options.reference, grid, to);
     return to;
 }

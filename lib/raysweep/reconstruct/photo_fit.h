@@ -13,6 +13,7 @@
 
 #include "raysweep/camera/photographs.h"
 #include "raysweep/core/progress.h"
+#include "raysweep/reconstruct/photo_result.h"
 #include "raysweep/volume/grids.h"
 
 #include <cstddef>
@@ -41,8 +42,10 @@ struct PhotoFitOptions {
     double backdrop = 0.5;             ///< mean of the backdrops that pictures are compared on, in [0,1]
     double backdropSpread = 1.0 / 12;  ///< their variance, > 0
     double hullThreshold = 0.02;       ///< alpha above which a pixel shows something, in [0,1)
-    double prune = 0.01;    ///< extinction below which a coarse voxel without others around it is dropped, >= 0
-    double leftOut = 0.02;  ///< part of the pixels that is not fitted but compared with, in [0,0.5)
+    double prune = 0.01;       ///< extinction below which a coarse voxel without others around it is dropped, >= 0
+    double leftOut = 0.02;     ///< part of the pixels that is not fitted but compared with, in [0,0.5)
+    bool refinePoses = false;  ///< cameras are moved to where they fit the others (pose_refine.h), by all grids but the
+                               ///< finest
     std::uint32_t seed = 1;
 
     /// @throw InvalidArgument naming field, value and bound.
@@ -78,9 +81,10 @@ struct PhotoFitResult {
     std::vector<PhotoFitPoint> history;
     PhotoFitTermination termination = PhotoFitTermination::passes;
     PhotoFitTimings timings;
-    int resolution = 0;          ///< voxels along the longest edge of the grid
-    std::size_t keptVoxels = 0;  ///< of the hull, without what has emptied, and those around it
-    double samples = 0;          ///< of rays, in all updates
+    int resolution = 0;              ///< voxels along the longest edge of the grid
+    std::size_t keptVoxels = 0;      ///< of the hull, without what has emptied, and those around it
+    double samples = 0;              ///< of rays, in all updates
+    std::vector<RefinedPose> poses;  ///< of the photographs, if they were to be refined
 };
 
 /// Memory: 64 bytes for each voxel of a brick of the hull, and the pictures at `pictureSize`. The same bits for any

@@ -109,6 +109,9 @@ TEST(PhotoLoss, DerivativeLikeDifferences) {
         const RayColor color{float(seen[0]), float(seen[1]), float(seen[2]), float(seen[3])};
         RayColor derivative;
         pixelLoss(target, color, backdrops, derivative);
+        double squares = 0;
+        for (const float r : pixelResidual(target, color, backdrops)) squares += double(r) * r;
+        EXPECT_NEAR(squares, loss(seen), 1e-4);  // the table's error, twice what differs
         for (int i = 0; i < 4; ++i) {
             double more[4], less[4];
             std::copy_n(seen, 4, more);
