@@ -20,9 +20,8 @@ constexpr double kProbe = 0.5;           ///< half of a difference, voxels: so i
 constexpr double kOutlier = 0.1;         ///< residual from which on its size counts, not its square; display-encoded
 constexpr double kEnough = 0.02;         ///< a step that moves the picture by less is the last, voxels
 constexpr double kRounding = 1.0 / 512;  ///< residuals that 8 bits do not tell from 0
-constexpr double kMoved =
-    0.1;  ///< a camera that has moved its picture by more goes on as long as it gains anything, pixels
-constexpr double kLeast = 0.05;  ///< a camera that moves the picture by less stays, voxels
+constexpr double kMoved = 0.1;           ///< whose picture has moved by more, pixels, goes on if it gains anything
+constexpr double kLeast = 0.05;          ///< a camera that moves the picture by less stays, voxels
 constexpr double kGain = 0.85;  ///< of the residuals' sum at most so much is left where a pose was wrong: of right ones
                                 ///< the lego bulldozer has .91, the Middlebury temple .90, in grids of 32 and 64 voxels
 

@@ -78,8 +78,7 @@ std::optional<std::vector<PhotoCamera>> refined(const PhotoLevel& level, const s
 }  // namespace
 
 // Pictures of the volume itself: the least residual is 0, at the true pose. A view that is 2 degrees off and moved by a
-// voxel, and one turned by 5 degrees about the object come back to within 2 % of the way, the size of the last step;
-// the others stay.
+// voxel, and one turned by 5 degrees about the object come back to within .0011 of the way; the others stay.
 TEST(PoseRefine, CamerasComeBack) {
     const PhotoLevel level = lump();
     const std::vector<Photograph> truth = {seenFrom(level, Vec3(3.5, 0.5, 1), kSize, kPerspective),
@@ -100,7 +99,7 @@ TEST(PoseRefine, CamerasComeBack) {
         EXPECT_GT(before, 0.5);
         for (std::size_t n = 0; n < truth.size(); ++n)
             EXPECT_LT(motionInPicture(truth[n].camera, (*cameras)[n], level.grid.box()),
-                      n == off ? 0.02 * before : 1e-3)
+                      n == off ? 1.25e-3 * before : 1e-3)
                 << off << " " << n;
     }
 }
