@@ -66,7 +66,8 @@ ColorVolume readReference(const std::string& path) {
 void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
     if (!a.method.empty()) return;
     const bool lit = a.findLight || a.shading.diffuse > 0;
-    const bool parallel = sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
+    const bool parallel =
+        !a.refinePoses && sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
     a.method = parallel || lit ? "consistent" : "fit";
     detail(a.common, "method " + a.method);
 }
@@ -82,6 +83,7 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
         options.fit.smoothness = *a.smooth;
         options.fit.adaptSmoothness = false;
     }
+    options.fit.refinePoses = a.refinePoses;
     options.light = {a.shading, !a.lampStands};
     options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
     options.findLight = a.findLight;
@@ -153,19 +155,44 @@ void write(const PhotoArguments& a, const PhotographSets& sets, const ColorVolum
     writeVdb(a.output, written);
 }
 
+/// " 'a' (1 dB), 'b' (2 dB), ..."
+std::string listed(const std::vector<std::string>& names) {
+    constexpr std::size_t kNamed = 5;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) text += (i == 0 ? " " : ", ") + names[i];
+    return text + (names.size() > kNamed ? ", ..." : "");
+}
+
 /// "3 views fit much worse than the others: a, b, c".
 std::string describeStandingOut(const Judgement& judgement) {
-    constexpr std::size_t kNamed = 5;
     const std::size_t count = judgement.standingOut.size();
     std::string text = count == 1 ? "one view is met much worse than the others; is its pose right?"
                                   : std::to_string(count) +
                                         " views are met much worse than the others; are their poses "
                                         "right?";
-    for (std::size_t i = 0; i < std::min(count, kNamed); ++i) {
-        const ViewQuality& view = judgement.used.views[judgement.standingOut[i]];
-        text += (i == 0 ? " '" : ", '") + view.name + "' (" + brief(view.psnr, 3) + " dB)";
+    std::vector<std::string> names;
+    for (const std::size_t n : judgement.standingOut) {
+        const ViewQuality& view = judgement.used.views[n];
+        names.push_back("'" + view.name + "' (" + brief(view.psnr, 3) + " dB)");
     }
-    return text + (count > kNamed ? ", ..." : "");
+    return text + listed(names);
+}
+
+/// Which cameras were moved, those that were the farthest first.
+std::string describeMoved(const PhotoOutcome& outcome) {
+    constexpr double kSeen = 0.01;  // pixels: below, it is the rounding of what all have in common
+    const std::vector<RefinedPose>& poses = outcome.result.poses;
+    std::vector<std::size_t> moved;
+    for (std::size_t n = 0; n < poses.size(); ++n)
+        if (poses[n].motion > kSeen) moved.push_back(n);
+    if (moved.empty()) return "no pose had to be moved";
+    std::stable_sort(moved.begin(), moved.end(),
+                     [&](std::size_t a, std::size_t b) { return poses[a].motion > poses[b].motion; });
+    std::vector<std::string> names;
+    for (const std::size_t n : moved)
+        names.push_back("'" + outcome.sets.used.views[n].name + "' (" + brief(poses[n].motion, 2) + " pixels)");
+    return (moved.size() == 1 ? "one pose was moved:" : std::to_string(moved.size()) + " poses were moved:") +
+           listed(names);
 }
 
 void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
@@ -174,6 +201,7 @@ void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
         outcome.warnings.push_back(describeStandingOut(judgement));
         warning(a.common, outcome.warnings.back());
     }
+    if (a.refinePoses) message(a.common, describeMoved(outcome));
     if (outcome.result.termination == PhotoTermination::overfitted)
         message(a.common, "the views carry " + std::to_string(outcome.result.resolution) +
                               " voxels along the longest edge: finer ones made left-out pixels worse");
@@ -210,6 +238,8 @@ bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
     shading = options.light.shading;
     TerminalProgress progress(a.common);
     outcome.result = reconstructPhotographs(outcome.sets.used.views, options, progress.callback());
+    for (std::size_t n = 0; n < outcome.result.poses.size(); ++n)
+        outcome.sets.used.views[n].camera = outcome.result.poses[n].camera;
     if (outcome.result.light) shading = outcome.result.light->shading;
     return !(isInterrupted(outcome.result) && outcome.result.density->empty());
 }

@@ -75,6 +75,8 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
            "--smooth", a.smooth,
            "fit: weight of the total variation that is kept small (default: as pixels that are left out want it)")
         ->type_name("W");
+    app.add_flag("--refine-poses", a.refinePoses,
+                 "fit: move cameras whose poses are wrong to where their pictures fit the others'");
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
     app.add_option("--diffuse", a.shading.diffuse, "Part of colours that is seen by Lambert's law")
@@ -162,6 +164,8 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
     requireValid(command, [&] { a.shading.validate(); });
     if (a.method == "fit" && (a.light == "auto" || a.shading.diffuse > 0))
         usageError(a.light == "auto" ? "--light" : "--diffuse", "is for --method consistent and paper");
+    if (a.refinePoses && ((!a.method.empty() && a.method != "fit") || a.light == "auto" || a.shading.diffuse > 0))
+        usageError("--refine-poses", "is for --method fit");
     if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";

@@ -32,7 +32,8 @@ Json describe(const MatteReport& matte) {
 }
 
 /// Views that were not judged, as it was stopped, have no figures.
-void addViews(Json& views, const PhotographSet& set, const PhotoQuality& quality, const char* name) {
+void addViews(Json& views, const PhotographSet& set, const PhotoQuality& quality, const char* name,
+              const std::vector<RefinedPose>& poses = {}) {
     for (std::size_t n = 0; n < set.views.size(); ++n) {
         Json view = {{"name", set.views[n].name},
                      {"set", name},
@@ -43,6 +44,7 @@ void addViews(Json& views, const PhotographSet& set, const PhotoQuality& quality
             view["ssim"] = quality.views[n].ssim;
             view["residual"] = quality.views[n].residual;
         }
+        if (n < poses.size()) view["pose"] = {{"turned_degrees", poses[n].turn}, {"moved_pixels", poses[n].motion}};
         view["matte"] = describe(set.mattes[n]);
         views.push_back(view);
     }
@@ -133,7 +135,7 @@ nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& out
     const PhotographSets& sets = outcome.sets;
     const Box3 bounds = worldBounds(*result.density);
     Json views = Json::array();
-    addViews(views, sets.used, outcome.judgement.used, "train");
+    addViews(views, sets.used, outcome.judgement.used, "train", result.poses);
     addViews(views, sets.heldOut, outcome.judgement.heldOut, "held-out");
     addViews(views, sets.test, outcome.judgement.test, "test");
     Json json = {{"method", a.method},

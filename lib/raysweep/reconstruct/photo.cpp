@@ -67,11 +67,6 @@ ReconstructionGrid gridOn(const openvdb::FloatGrid& reference, const Box3& box) 
     return grid;
 }
 
-Box3 boxOf(const ReconstructionGrid& grid) {
-    const Vec3 half = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * (0.5 * grid.spacing);
-    return Box3(grid.center - half, grid.center + half);
-}
-
 Box3 activeBox(const openvdb::FloatGrid& reference) {
     const openvdb::CoordBBox active = reference.evalActiveVoxelBoundingBox();
     if (active.empty()) throw InvalidArgument("the reference has no active voxels");
@@ -101,7 +96,7 @@ PhotoReconstruction fitted(const std::vector<Photograph>& photographs, const Pho
     const ReconstructionGrid grid = gridFor(photographs, options);
     PhotoFitOptions fit = options.fit;
     if (options.iterations > 0) fit.passes = options.iterations;
-    fit.box = boxOf(grid);
+    fit.box = grid.box();
     fit.resolution = grid.resolution();
     fit.seed = options.seed;
     fit.raysPerUpdate = int(

@@ -3,6 +3,7 @@
 #include "raysweep/reconstruct/photo_fit.h"
 
 #include "raysweep/camera/object_bounds.h"
+#include "raysweep/camera/pose_motion.h"
 #include "raysweep/core/brief.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
@@ -13,6 +14,7 @@
 #include "raysweep/reconstruct/photo_pixels.h"
 #include "raysweep/reconstruct/photo_reference.h"
 #include "raysweep/reconstruct/photo_views.h"
+#include "raysweep/reconstruct/pose_refine.h"
 #include "raysweep/reconstruct/reconstruction_grid.h"
 #include "raysweep/reconstruct/voxel_fit.h"
 #include "raysweep/volume/color_volume.h"
@@ -220,6 +222,38 @@ class LevelFit {
     double error_ = 0, seen_ = 0;  ///< since the last point of the history
 };
 
+/// How often the first grid is made anew with the poses that it has refined: a wrong pose takes from the hull what the
+/// object needs.
+constexpr int kMostRounds = 3;
+
+std::vector<PhotoCamera> camerasOf(const std::vector<Photograph>& photographs) {
+    std::vector<PhotoCamera> cameras;
+    for (const Photograph& photograph : photographs) cameras.push_back(photograph.camera);
+    return cameras;
+}
+
+/// @return whether a camera has moved
+bool refinePoses(const PhotoLevel& level, const std::vector<PhotoCamera>& given, const PhotoFitOptions& options,
+                 std::vector<Photograph>& pictures) {
+    const Backdrops backdrops{float(options.backdrop), float(options.backdropSpread)};
+    const std::optional<std::vector<PhotoCamera>> cameras =
+        refinedPoses(level, pictures, given, backdrops, options.samplesPerSlice);
+    for (std::size_t n = 0; cameras && n < pictures.size(); ++n) pictures[n].camera = (*cameras)[n];
+    return cameras.has_value();
+}
+
+/// The photographs' cameras, moved as those of the smaller pictures were.
+std::vector<RefinedPose> refinedFrom(const std::vector<Photograph>& photographs,
+                                     const std::vector<Photograph>& pictures, const Box3& box) {
+    std::vector<RefinedPose> poses;
+    for (std::size_t n = 0; n < photographs.size(); ++n) {
+        const PhotoCamera& given = photographs[n].camera;
+        const PhotoCamera camera = withPose(given, pictures[n].camera);
+        poses.push_back({camera, angleBetween(given, camera), motionInPicture(given, camera, box)});
+    }
+    return poses;
+}
+
 void addGrids(const PhotoLevel& level, PhotoReconstruction& result) {
     const auto transform = level.grid.transform();
     result.density = openvdb::FloatGrid::create(0);
@@ -273,7 +307,8 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     requireUsable(photographs);
     const Timer timer;
     PhotoReconstruction result;
-    const std::vector<Photograph> pictures = reducedTo(photographs, options.pictureSize);
+    std::vector<Photograph> pictures = reducedTo(photographs, options.pictureSize);
+    const std::vector<PhotoCamera> given = camerasOf(pictures);
     const PhotoPixels pixels(pictures);
     const Box3 box = options.box ? *options.box : boundsOf(pictures);
     const double all = options.coarsePasses * (options.levels - 1) + options.passes;
@@ -281,8 +316,9 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     const float hull = float(options.hullThreshold);
     PhotoLevel level, coarser;
     Smoothness smoothness(options.smoothness);
-    for (int n = 0; n < options.levels; ++n) {
-        const int finest = options.levels - 1;
+    const int finest = options.levels - 1;
+    bool again = false;
+    for (int n = 0, rounds = 0; n < options.levels; n += !again) {
         const ReconstructionGrid grid = photoGrid(box, std::max(8, options.resolution >> (finest - n)));
         level.gradient = std::vector<CompositeVoxel>();
         level.moments = std::vector<AdamMoments>();
@@ -296,6 +332,9 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
             result.termination = PhotoTermination::interrupted;
             break;
         }
+        const bool moved = options.refinePoses && n < finest && refinePoses(level, given, options, pictures);
+        again = moved && n == 0 && ++rounds < kMostRounds;
+        if (again) continue;
         done += passes;
         if (n > 0 && result.history.back().leftOut > kWorse * before) {
             level = std::move(coarser);
@@ -303,6 +342,7 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
             break;
         }
     }
+    if (options.refinePoses) result.poses = refinedFrom(photographs, pictures, level.grid.box());
     result.keptVoxels = level.layout.keptVoxels();
     result.resolution = level.grid.resolution();
     result.smoothness = smoothness.weight();

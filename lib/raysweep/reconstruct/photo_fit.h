@@ -40,9 +40,11 @@ struct PhotoFitOptions {
     double backdrop = 0.5;             ///< mean of the backdrops that pictures are compared on, in [0,1]
     double backdropSpread = 1.0 / 12;  ///< their variance, > 0
     double hullThreshold = 0.02;       ///< alpha above which a pixel shows something, in [0,1)
-    double prune = 0.01;    ///< extinction below which a coarse voxel without others around it is dropped, >= 0
-    double leftOut = 0.02;  ///< part of the pixels that is not fitted but compared with, in [0,0.5); with none
-                            ///< smoothness stays
+    double prune = 0.01;       ///< extinction below which a coarse voxel without others around it is dropped, >= 0
+    double leftOut = 0.02;     ///< part of the pixels that is not fitted but compared with, in [0,0.5); with none
+                               ///< smoothness stays
+    bool refinePoses = false;  ///< cameras are moved to where they fit the others (pose_refine.h), by all grids but the
+                               ///< finest
     std::uint32_t seed = 1;
 
     /// @throw InvalidArgument naming field, value and bound.

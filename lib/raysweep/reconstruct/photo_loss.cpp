@@ -50,6 +50,17 @@ PixelTarget pixelTarget(const float* pixel) {
     return target;
 }
 
+std::array<float, 4> pixelResidual(const PixelTarget& target, const RayColor& seen, const Backdrops& backdrops) {
+    const float alpha = 1 - seen.transmittance, over = 1 / std::max(alpha, kLeastAlpha);
+    const float alphaError = alpha - target.alpha;
+    const float* colors = &seen.red;
+    std::array<float, 4> residual;
+    for (std::size_t c = 0; c < 3; ++c)
+        residual[c] = encoding().at(colors[c] * over).value * alpha - target.color[c] - backdrops.mean * alphaError;
+    residual[3] = std::sqrt(3 * backdrops.variance) * alphaError;
+    return residual;
+}
+
 float pixelLoss(const PixelTarget& target, const RayColor& seen, const Backdrops& backdrops, RayColor& derivative) {
     const float alpha = 1 - seen.transmittance, over = 1 / std::max(alpha, kLeastAlpha);
     const float alphaError = alpha - target.alpha;

@@ -3,6 +3,8 @@
 
 #include "raysweep/projector/composite.h"
 
+#include <array>
+
 namespace raysweep {
 
 /// A pixel as displays encode it.
@@ -18,6 +20,9 @@ PixelTarget pixelTarget(const float* pixel);
 struct Backdrops {
     float mean = 0.5f, variance = 1.0f / 12;
 };
+
+/// The differences whose squares make eq. 1: of red, green and blue, and of alpha.
+std::array<float, 4> pixelResidual(const PixelTarget& target, const RayColor& seen, const Backdrops& backdrops);
 
 /// @param derivative of the loss with respect to the ray's colour
 /// @return squared difference before white, summed over red, green, blue

@@ -1,6 +1,7 @@
 /// What comes out of a reconstruction from photographs, whatever the method.
 #pragma once
 
+#include "raysweep/camera/photo_camera.h"
 #include "raysweep/render/shading.h"
 #include "raysweep/volume/grids.h"
 
@@ -41,6 +42,13 @@ struct PhotoLight {
                             ///< all as telling as the least telling one; in [0,1]
 };
 
+/// A photograph's camera, and how far it is from where it was said to be.
+struct RefinedPose {
+    PhotoCamera camera;
+    double turn = 0;    ///< of its axes, degrees
+    double motion = 0;  ///< of what it shows, pixels (motionInPicture of the grid's box)
+};
+
 struct PhotoTimings {
     double prepared = 0;  ///< s: pictures, hull
     double light = 0;     ///< s: looking for the light
@@ -55,6 +63,7 @@ struct PhotoReconstruction {
     std::vector<PhotoPoint> history;
     PhotoTermination termination = PhotoTermination::iterations;
     std::optional<PhotoLight> light;  ///< where it was asked for
+    std::vector<RefinedPose> poses;   ///< of the photographs, if they were to be refined
     PhotoTimings timings;
     double smoothness = 0;  ///< fit: weight of total variation that it ended with
     int resolution = 0;     ///< voxels along the longest edge of the grid

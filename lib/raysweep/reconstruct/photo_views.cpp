@@ -9,14 +9,6 @@
 namespace raysweep {
 namespace {
 
-/// Edge of a pixel, seen in the middle of the grid, in voxels.
-double pixelEdge(const PhotoCamera& camera, const ReconstructionGrid& grid) {
-    const double focal = std::sqrt(camera.focalX * camera.focalY);
-    if (camera.projection == Camera::Projection::Orthographic) return 1 / (focal * grid.spacing);
-    const double depth = (grid.center - camera.position).dot(camera.forward);
-    return std::max(depth, grid.spacing) / (focal * grid.spacing);
-}
-
 /// What a ray stands for, if there are `parts` x `parts` for each pixel.
 RayShare shareOf(const PhotoCamera& camera, const Ray& ray, const CompositeRay& line, const ReconstructionGrid& grid,
                  double parts) {
@@ -95,6 +87,13 @@ ReconstructionGrid photoGrid(const Box3& box, int resolution) {
     for (int axis = 0; axis < 3; ++axis)
         grid.dims[axis] = std::clamp(int(std::ceil(size[axis] / grid.spacing / 8 - 1e-6)) * 8, 8, resolution);
     return grid;
+}
+
+double pixelEdge(const PhotoCamera& camera, const ReconstructionGrid& grid) {
+    const double focal = std::sqrt(camera.focalX * camera.focalY);
+    if (camera.projection == Camera::Projection::Orthographic) return 1 / (focal * grid.spacing);
+    const double depth = (grid.center - camera.position).dot(camera.forward);
+    return std::max(depth, grid.spacing) / (focal * grid.spacing);
 }
 
 std::vector<Photograph> picturesFor(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid) {

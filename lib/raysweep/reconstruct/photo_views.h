@@ -13,6 +13,9 @@ namespace raysweep {
 /// Cubic voxels that fill a box, `resolution` along its longest edge, whole bricks along the others.
 ReconstructionGrid photoGrid(const Box3& box, int resolution);
 
+/// Edge of a pixel, seen in the middle of the grid, in voxels.
+double pixelEdge(const PhotoCamera& camera, const ReconstructionGrid& grid);
+
 /// The photographs, those with pixels much smaller than voxels reduced: as often as pixels stay at most as large as
 /// voxels, seen in the middle of the grid. @throw InvalidArgument for no photographs, such without alpha, and cameras
 /// of other sizes than their pictures.

@@ -23,6 +23,12 @@ struct ReconstructionGrid {
         return center + Vec3(i - 0.5 * (dims.x - 1), j - 0.5 * (dims.y - 1), k - 0.5 * (dims.z - 1)) * spacing;
     }
 
+    /// All of its voxels, world units.
+    Box3 box() const {
+        const Vec3 half = Vec3(dims.x, dims.y, dims.z) * (0.5 * spacing);
+        return Box3(center - half, center + half);
+    }
+
     /// Voxels along the longest edge.
     int resolution() const { return std::max({dims.x, dims.y, dims.z}); }
 
