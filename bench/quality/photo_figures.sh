@@ -87,12 +87,15 @@ for place in "triangles ring" "triangles sphere" "few ring" "few sphere"; do
     done
 done
 
-# Views that were held out: photograph, render, and twice the difference.
-$raysweep shoot "$work/few.vdb" -o "$work/lit" --views $views --orbit sphere --size $pixels,$pixels --quiet
+# A view that was held out: photograph, render, and twice the difference; without what is empty around the object.
+$raysweep generate triangles -o "$work/sheets.vdb" --size $size --count 50 --thickness "${few[1]}" --seed 2
+$raysweep shoot "$work/sheets.vdb" -o "$work/lit" --views $views --orbit sphere --size $pixels,$pixels --quiet
 $raysweep photo "$work/lit" -o "$work/held_out.vdb" --hold-out 8 --size $size --compare-views "$work/views" --quiet \
     --report "$work/held_out.json"
 shown=("$work"/views/*_held_out.png)
-oiiotool "${shown[${#shown[@]} / 3]}" --ch R,G,B --compression jpeg:88 -o "$out/held_out.jpg"
+edge=$((pixels * 3 / 4)) from=$((pixels / 8)) parts=()
+for part in 0 1 2; do parts+=("${shown[${#shown[@]} / 3]}" --cut ${edge}x$edge+$((part * pixels + from))+$from); done
+oiiotool "${parts[@]}" --mosaic:pad=4 3x1 --ch R,G,B --compression jpeg:88 -o "$out/held_out.jpg"
 
 rm -r "$work/ring" "$work/lit" "$work/lit.vdb" "$work/views"
 python3 bench/quality/photo_tables.py "$work" "$out" --marks $marks | tee "$out/tables.txt"
