@@ -74,8 +74,8 @@ def figure11(work, out, marks):
     if met:
         print(f"  consistent has the paper's last opacity after {met[0]} updates, {met[1]:.3f} s, "
               f"{met[1] / last['paper'][1]:.4f} of the time; it ends at {last['consistent'][2] / last['paper'][2]:.3f} of it")
-    gnuplot("800,500", "Helvetica,13", script + "set xlabel 'updates'\nset ylabel 'RMS over all voxels'\nset grid\n"
-            "set yrange [0:*]\nset key outside bottom center horizontal maxcols 2\nplot " + ", ".join(curves) + "\n",
+    gnuplot("1000,450", "Helvetica,13", script + "set xlabel 'updates'\nset ylabel 'RMS over all voxels'\nset grid\n"
+            "set yrange [0:*]\nset key outside right center vertical\nplot " + ", ".join(curves) + "\n",
             out / "figure11.svg")
 
 
@@ -93,8 +93,8 @@ def figure12(work, out, marks):
             print(f"  {method:11}{what:17} " + "  ".join(f"{point[column - 1]:.4f}" for point in points[method]))
             curves.append(f"${method} using 1:{column} with linespoints pt 7 ps 0.5 lw 2 dt {dashes} lc {number + 1} "
                           f"title '{method}, {what}'")
-    gnuplot("800,500", "Helvetica,13", script + "set xlabel 'diffuse share of the light'\nset ylabel 'RMS over all voxels'\n"
-            "set grid\nset yrange [0:*]\nset xrange [-0.05:1.05]\nset key outside bottom center horizontal maxcols 2\nplot "
+    gnuplot("1000,450", "Helvetica,13", script + "set xlabel 'diffuse share of the light'\nset ylabel 'RMS over all voxels'\n"
+            "set grid\nset yrange [0:*]\nset xrange [-0.05:1.05]\nset key outside right center vertical\nplot "
             + ", ".join(curves) + "\n", out / "figure12.svg")
 
 
