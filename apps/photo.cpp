@@ -88,6 +88,7 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
     options.findLight = a.findLight;
     options.seed = a.common.seed;
+    options.historyEvery = a.historyEvery;
     if (!a.reference.empty()) options.reference = readReference(a.reference);
     return options;
 }

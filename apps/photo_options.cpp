@@ -104,6 +104,12 @@ void addCheckOptions(CLI::App& app, PhotoArguments& a) {
                    "Write each view into this folder: photograph, render and their difference beside each other")
         ->type_name("DIR");
     app.add_option("--plot", a.plot, "How pictures are met against updates, .svg or .png")->type_name("FILE");
+    app.add_option(
+           "--history", a.historyEvery,
+           "consistent, paper: updates from one point of the histories in report and plot to the next; 0: one a "
+           "pass")
+        ->type_name("N")
+        ->capture_default_str();
 }
 
 /// @return false if `text` is none of the ways
@@ -197,6 +203,8 @@ void completeOptions(PhotoArguments& a, const CLI::App& command) {
         usageError("--size", "must be a multiple of 8, from 16 to 1024");
     if (a.smooth) requireFactor(*a.smooth, "--smooth");
     if (a.iterations && *a.iterations < 1) usageError("--iterations", "must be at least 1");
+    if (a.historyEvery < 0) usageError("--history", "must be at least 0");
+    if (a.method == "fit" && a.historyEvery > 0) usageError("--history", "is for --method consistent and paper");
     completeLight(a, command);
     if (!(a.backdrop >= 0 && a.backdrop <= 1)) usageError("--backdrop", "must be in [0,1]");
 }

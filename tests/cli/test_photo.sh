@@ -45,6 +45,10 @@ photo views -o vol.vdb --method consistent --reference tri.vdb
 found reference
 expect_json report.json "len(r['rms_opacity_history']) == len(r['updates_history']) and r['rms_opacity_history'][-1] < 0.9 * r['rms_opacity_history'][0]"
 expect_exit 1 "$raysweep" photo views -o vol.vdb --reference others/transforms.json
+cp report.json passes.json
+photo views -o vol.vdb --method consistent --reference tri.vdb --history 5
+expect_json report.json "r['updates_history'] == list(range(5, 49, 5)) + [48]"
+expect_json report.json "r['rms_opacity_history'][-1] == json.load(open('passes.json'))['rms_opacity_history'][-1]"
 
 # Grids as other programs want them; what else works on them.
 expect_exit 0 "$raysweep" info fit.vdb --json
@@ -237,6 +241,8 @@ usage "--diffuse: is for --method consistent and paper" views -o vol.vdb --metho
 usage "--relaxation: is for --method" views -o vol.vdb --method fit --relaxation 0.5
 usage "--refine-poses: is for --method fit" views -o vol.vdb --method paper --refine-poses
 usage "--refine-poses: is for --method fit" views -o vol.vdb --diffuse 0.5 --refine-poses
+usage "--history: must be at least 0" views -o vol.vdb --history=-1
+usage "--history: is for --method" views -o vol.vdb --method fit --history 5
 usage "--ambient" views -o vol.vdb --ambient 1.5
 usage "--reduction 0" views -o vol.vdb --reduction 0
 usage "must end in .svg or .png" views -o vol.vdb --plot a.pdf
