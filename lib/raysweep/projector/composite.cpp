@@ -74,12 +74,14 @@ class FrontToBack {
     /// Takes `count` <= kChunk samples into account. @return how many, fewer if too little comes through
     HWY_INLINE int add(const CompositeVoxel* HWY_RESTRICT samples, float* HWY_RESTRICT transmittances, int count,
                        float length) {
-        HWY_ALIGN float depth[kChunk] = {};
-        for (int i = 0; i < count; ++i) depth[i] = -length * samples[i].extinction;
-        for (std::size_t i = 0; i < kChunk; i += hn::Lanes(kLanes))
-            hn::Store(hn::Exp(kLanes, hn::Load(kLanes, depth + i)), kLanes, depth + i);
+        HWY_ALIGN float through[kChunk];  // what one sample leaves; of those behind `count` anything
+        const auto four = hn::ShiftLeft<2>(hn::Iota(kWhole, 0));
+        for (std::size_t i = 0; i < kChunk; i += hn::Lanes(kLanes)) {
+            const auto extinction = hn::GatherIndex(kLanes, &samples[i].extinction, four);
+            hn::Store(hn::Exp(kLanes, hn::Mul(hn::Set(kLanes, -length), extinction)), kLanes, through + i);
+        }
         for (int i = 0; i < count; ++i) {
-            const float behind = transmittance_ * depth[i];
+            const float behind = transmittance_ * through[i];
             transmittances[i] = transmittance_;
             color_ = mulAdd(setFour(transmittance_ - behind), load(samples + i), color_);
             transmittance_ = behind;
@@ -156,9 +158,7 @@ class PlacesAhead {
 
   private:
     HWY_INLINE void find(int k, Places& to) const {
-        HWY_ALIGN float numbers[kChunk];
-        for (int i = 0; i < kChunk; ++i) numbers[i] = float(std::min(k + i, ray_.count - 1));
-        sampler_.locate(ray_, numbers, to);
+        sampler_.locate(ray_, k, ray_.count - 1, to);
         sampler_.prefetch(voxels_, to, kChunk);
     }
 
@@ -256,7 +256,6 @@ void spreadLayerAlong(const CompositeLayout& layout, const CompositeRay* rays, s
     const Sampler<kAxis> sampler(layout);
     Located waiting[kWaiting];
     std::size_t asked = 0;
-    HWY_ALIGN float numbers[kChunk];
     for (std::size_t p = first / kRaysTogether; p * kRaysTogether < last; ++p) {
         if ((p + kAhead) * kRaysTogether < last)
             fetch(tape.pieces[p + kAhead], tape.parts[layer * tape.pieces.size() + p + kAhead]);
@@ -277,8 +276,7 @@ void spreadLayerAlong(const CompositeLayout& layout, const CompositeRay* rays, s
                 to.shares = next + from;
                 to.color = &tape.shared[r];
                 to.count = std::min(kChunk, count - from);
-                for (int i = 0; i < kChunk; ++i) numbers[i] = float(run.first + std::min(from + i, count - 1));
-                sampler.locate(rays[r], numbers, to.places);
+                sampler.locate(rays[r], run.first + from, run.first + count - 1, to.places);
                 sampler.prefetch(gradient, to.places, to.count);
             }
         }

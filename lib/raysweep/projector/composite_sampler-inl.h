@@ -66,13 +66,13 @@ class Sampler {
         cellOrigin_ = 2 * (cellStride_[0] + cellStride_[1] + cellStride_[2]);
     }
 
-    /// The places of samples whose numbers are given as floats; all must be on the ray.
-    HWY_INLINE void locate(const CompositeRay& ray, const float* HWY_RESTRICT numbers, Places& to) const {
+    /// The places of samples from `first` on; instead of those behind `last` that again.
+    HWY_INLINE void locate(const CompositeRay& ray, int first, int last, Places& to) const {
         const auto seven = hn::Set(kWhole, 7), zero = hn::Zero(kWhole);
         const float start[3] = {ray.start, ray.place[0], ray.place[1]};
         const float rate[3] = {ray.step, ray.rate[0], ray.rate[1]};
         for (std::size_t i = 0; i < kChunk; i += hn::Lanes(kLanes)) {
-            const auto k = hn::LoadU(kLanes, numbers + i);
+            const auto k = hn::Min(hn::Iota(kLanes, float(first + int(i))), hn::Set(kLanes, float(last)));
             auto cell = hn::Set(kWhole, cellOrigin_), brick = hn::Set(kWhole, brickOrigin_), within = zero;
             hn::Vec<decltype(kWhole)> low[3];
             bool between = Row::haveSlices;
