@@ -53,6 +53,12 @@ SWEEPS = ("dense_nearest", "dense_linear", "dense_surfaces", "dense_colour", "sm
 CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone")
 
 
+PHOTO = ("photo_consistent", "photo_consistent_1thread", "photo_paper", "photo_fit_1thread")
+
+
+COUNTERS = ("ms", "ns_voxel", "ns_sample", "bytes_voxel", "x_stream", "GB_s_triad")
+
+
 def counters(context, names, repetitions):
     """The counters of benchmarks of bench/runtime by name, for each of several runs of all of them."""
     runs = []
@@ -61,8 +67,7 @@ def counters(context, names, repetitions):
         text = context.run("raysweep_bench", f"--benchmark_filter={pattern}", "--benchmark_format=json",
                            stderr=subprocess.DEVNULL)
         benchmarks = [b for b in json.loads(text)["benchmarks"] if not b.get("error_occurred")]
-        runs.append({b["name"].split("/")[1]: {key: b[key] for key in ("ms", "ns_voxel", "x_stream", "GB_s_triad")}
-                     for b in benchmarks})
+        runs.append({b["name"].split("/")[1]: {key: b[key] for key in COUNTERS if key in b} for b in benchmarks})
     return runs
 
 
@@ -74,6 +79,11 @@ def sweep(context):
 def ct(context):
     """Time of a SART update."""
     return counters(context, CT, 5)
+
+
+def photo(context):
+    """Time of a correction by a photograph, and of the samples of a fit's rays."""
+    return counters(context, PHOTO, 5)
 
 
 def convergence(context):
@@ -129,4 +139,4 @@ def cycles_part(context):
 
 
 PARTS = {"sweep": sweep, "convergence": convergence, "cycles": cycles_part, "large": large, "light": light,
-         "ct": ct}
+         "ct": ct, "photo": photo}

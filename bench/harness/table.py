@@ -39,7 +39,7 @@ class Row:
 
 
 def counters(runs, name, counter):
-    return [run[name][counter] for run in runs if name in run]
+    return [run[name][counter] for run in runs if counter in run.get(name, ())]
 
 
 def ratios(runs, counter, above, below):
@@ -122,6 +122,20 @@ def ct_rows(runs):
     ]
 
 
+def photo_rows(runs):
+    one, two = "photo_consistent_1thread", "photo_consistent"
+    return [
+        Row("photographs, 128³: a ray's sample there and back, one thread, µs", "≤ 0.08", "",
+            [1e-3 * value for value in counters(runs, "photo_fit_1thread", "ns_sample")], 0.08, form="{:.3f}"),
+        Row("the same: memory of a fit, bytes per voxel that is kept", "≤ 64", "",
+            counters(runs, "photo_fit_1thread", "bytes_voxel"), 64, form="{:.1f}"),
+        Row("correction by a view of 256², `consistent`, two threads, ms", "≤ 20", "", counters(runs, two, "ms"), 20,
+            form="{:.1f}"),
+        Row("the same: 2 threads ÷ 1 thread", "≥ 1.8×", "", ratios(runs, "ms", one, two), 1.8, at_least=True,
+            form="{:.2f}×"),
+    ]
+
+
 def rows(results):
     runs = results.get("sweep", [])
     return [
@@ -134,13 +148,16 @@ def rows(results):
         Row("`light` on smoke.vdb: time outside solving", "< 15 %", "",
             [100 * outside_share(run) for run in results.get("light", [])], 15, form="{:.1f} %"),
         *ct_rows(results.get("ct", [])),
+        *photo_rows(results.get("photo", [])),
     ]
 
 
-def sweep_details(runs):
+def counter_details(runs):
     for name in sorted({name for run in runs for name in run}):
-        for counter in ("ms", "ns_voxel", "x_stream"):
-            yield f"{name} {counter}", counters(runs, name, counter)
+        for counter in ("ms", "ns_voxel", "ns_sample", "bytes_voxel", "x_stream"):
+            values = counters(runs, name, counter)
+            if values:
+                yield f"{name} {counter}", values
 
 
 def convergence_details(convergence):
@@ -177,7 +194,8 @@ def light_details(runs):
 
 def details(results):
     """Name and values of everything that stands behind the rows."""
-    return [*sweep_details(results.get("sweep", [])), *sweep_details(results.get("ct", [])), *convergence_details(results.get("convergence", {})),
+    return [*(line for part in ("sweep", "ct", "photo") for line in counter_details(results.get(part, []))),
+            *convergence_details(results.get("convergence", {})),
             *cycles_details(results.get("cycles", {})), *large_details(results.get("large", [])),
             *light_details(results.get("light", []))]
 

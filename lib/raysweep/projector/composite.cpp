@@ -1,7 +1,7 @@
-// Rays go through the volume in parallel, each leaving the derivatives of its samples. These are then gathered slice by
-// slice: a task owns a layer of bricks across the rays' major axis, and adds what all rays have there in the order of
-// the rays, so that no two threads write to a voxel, and sums have one order. Samples between two layers belong to the
-// lower one and reach into the next: so every other layer is done first.
+// Rays go through the volume in parallel, each leaving its samples' shares, which a piece of rays puts into the order
+// of layers of bricks across the major axis. These are then gathered layer by layer: a task owns one, and adds what all
+// rays have there in the order of the rays, so that no two threads write to a voxel, and sums have one order. Samples
+// between two layers belong to the lower one and reach into the next: so every other layer is done first.
 #include "raysweep/projector/composite.h"
 
 #include "raysweep/core/error.h"
@@ -35,9 +35,13 @@ struct SampleRoom {
     std::vector<CompositeVoxel> samples;
     std::vector<float> transmittances;  ///< before each sample, and behind the last: one more for each ray
     std::vector<std::uint16_t> numbers;
-    std::vector<std::uint32_t> firsts;  ///< sample of each ray, and the end
+    std::vector<std::uint32_t> firsts;       ///< sample of each ray, and the end
+    std::vector<SampleShare> shares;         ///< what each is given
+    std::vector<CompositeTape::Run> runs;    ///< ray after ray
+    std::vector<CompositeTape::Part> parts;  ///< of each layer
 
     void reserve(const CompositeRay* rays, std::size_t count) {
+        runs.clear();
         std::size_t most = 0;
         for (std::size_t r = 0; r < count; ++r) most += std::size_t(rays[r].count) + 8;
         if (samples.size() >= most && firsts.size() > count) return;
@@ -45,13 +49,8 @@ struct SampleRoom {
         transmittances.resize(most + count);
         numbers.resize(most);
         firsts.resize(count + 1);
+        shares.resize(most);
     }
-};
-
-/// Where the spans of a piece's rays go: that of ray r in a layer at `spans[layer * rays + r]`.
-struct SpanTable {
-    CompositeTape::Span* spans = nullptr;
-    std::size_t rays = 0;
 };
 
 /// Layer of bricks that holds a slice, counted from the one around the volume.
@@ -75,12 +74,14 @@ class FrontToBack {
     /// Takes `count` <= kChunk samples into account. @return how many, fewer if too little comes through
     HWY_INLINE int add(const CompositeVoxel* HWY_RESTRICT samples, float* HWY_RESTRICT transmittances, int count,
                        float length) {
-        HWY_ALIGN float depth[kChunk] = {};
-        for (int i = 0; i < count; ++i) depth[i] = -length * samples[i].extinction;
-        for (std::size_t i = 0; i < kChunk; i += hn::Lanes(kLanes))
-            hn::Store(hn::Exp(kLanes, hn::Load(kLanes, depth + i)), kLanes, depth + i);
+        HWY_ALIGN float through[kChunk];  // what one sample leaves; of those behind `count` anything
+        const auto four = hn::ShiftLeft<2>(hn::Iota(kWhole, 0));
+        for (std::size_t i = 0; i < kChunk; i += hn::Lanes(kLanes)) {
+            const auto extinction = hn::GatherIndex(kLanes, &samples[i].extinction, four);
+            hn::Store(hn::Exp(kLanes, hn::Mul(hn::Set(kLanes, -length), extinction)), kLanes, through + i);
+        }
         for (int i = 0; i < count; ++i) {
-            const float behind = transmittance_ * depth[i];
+            const float behind = transmittance_ * through[i];
             transmittances[i] = transmittance_;
             color_ = mulAdd(setFour(transmittance_ - behind), load(samples + i), color_);
             transmittance_ = behind;
@@ -106,42 +107,77 @@ class FrontToBack {
     bool ended_ = false;
 };
 
-/// Notes which samples of a ray are in which layer.
-class SpanWriter {
+/// Notes a ray's runs.
+class RunWriter {
   public:
-    SpanWriter(const SpanTable& table, std::size_t ray) : table_(table), ray_(ray) {}
-
-    HWY_INLINE void add(int slice, std::uint16_t sample) {
-        const int layer = layerOf(slice);
-        if (layer == layer_) return;
-        end(sample);
-        layer_ = layer;
-        first_ = sample;
+    RunWriter(std::vector<CompositeTape::Run>& runs, std::size_t ray) : runs_(runs) {
+        run_.ray = std::uint8_t(ray);
+        run_.count = 0;
+        run_.first = run_.layer = 0;
     }
 
-    HWY_INLINE void end(std::size_t sample) {
-        if (table_.spans && layer_ >= 0)
-            table_.spans[std::size_t(layer_) * table_.rays + ray_] = {first_, std::uint16_t(sample)};
+    HWY_INLINE void add(int number, int slice) {
+        const int layer = layerOf(slice);
+        if (layer != run_.layer || number != run_.first + run_.count) {
+            end();
+            run_.first = std::uint16_t(number);
+            run_.layer = std::uint16_t(layer);
+            run_.count = 0;
+        }
+        ++run_.count;
+    }
+
+    HWY_INLINE void end() {
+        if (run_.count > 0) runs_.push_back(run_);
     }
 
   private:
-    SpanTable table_;
-    std::size_t ray_;
-    int layer_ = -1;
-    std::uint16_t first_ = 0;
+    std::vector<CompositeTape::Run>& runs_;
+    CompositeTape::Run run_;
+};
+
+/// Places of a ray's samples, some at a time: when they are taken, the voxels of those behind them are asked for.
+template <int kAxis>
+class PlacesAhead {
+  public:
+    PlacesAhead(const CompositeLayout& layout, const CompositeVoxel* voxels, const CompositeRay& ray)
+        : sampler_(layout), voxels_(voxels), ray_(ray) {}
+
+    /// Places of sample `k` and those that follow it.
+    HWY_INLINE const Places& from(int k) {
+        if (next_ == k)
+            taken_ = 1 - taken_;
+        else
+            find(k, places_[taken_]);
+        next_ = k + kChunk;
+        if (next_ < ray_.count) find(next_, places_[1 - taken_]);
+        return places_[taken_];
+    }
+
+    HWY_INLINE bool isEmpty(const Places& places, int i) const { return sampler_.isEmpty(places.cell[i]); }
+
+  private:
+    HWY_INLINE void find(int k, Places& to) const {
+        sampler_.locate(ray_, k, ray_.count - 1, to);
+        sampler_.prefetch(voxels_, to, kChunk);
+    }
+
+    Sampler<kAxis> sampler_;
+    const CompositeVoxel* voxels_;
+    const CompositeRay& ray_;
+    Places places_[2];
+    int taken_ = 0;
+    int next_ = -1;  ///< where the places begin that are not taken yet
 };
 
 /// One ray; its samples go to `room` from `first` on. @return where they end
 template <int kAxis>
 std::size_t compositeOne(const CompositeLayout& layout, const CompositeVoxel* HWY_RESTRICT voxels,
                          const CompositeRay& ray, SampleRoom& room, std::size_t first, float* transmittances,
-                         SpanWriter spans, RayColor& color) {
-    const Sampler<kAxis> sampler(layout);
-    const std::int32_t* table = layout.table.data();
+                         RunWriter runs, RayColor& color) {
     const CellWalk walk(layout, ray);
+    PlacesAhead<kAxis> ahead(layout, voxels, ray);
     FrontToBack light;
-    Places places;
-    HWY_ALIGN float numbers[kChunk];
     std::size_t n = first;
     transmittances[0] = 1;
     for (int k = 0; k < ray.count && !light.ended();) {
@@ -150,87 +186,109 @@ std::size_t compositeOne(const CompositeLayout& layout, const CompositeVoxel* HW
             k = next;
             continue;
         }
-        for (int i = 0; i < kChunk; ++i) numbers[i] = float(k + i);
-        sampler.locate(ray, numbers, places);
+        const Places& places = ahead.from(k);
         const int most = std::min(kChunk, ray.count - k);
-        sampler.prefetch(voxels, places, most);
         int count = 0;
         do {
-            storeFour(sampleAt<kAxis>(sampler, table, voxels, places, count),
-                      &room.samples[n + std::size_t(count)].extinction);
+            storeFour(sampleAt<kAxis>(voxels, places, count), &room.samples[n + std::size_t(count)].extinction);
             ++count;
-        } while (count < most && !sampler.isEmpty(places.cell[count]));
+        } while (count < most && !ahead.isEmpty(places, count));
         const int used = light.add(&room.samples[n], transmittances + (n - first), count, ray.length);
         for (int i = 0; i < used; ++i) {
             room.numbers[n + std::size_t(i)] = std::uint16_t(k + i);
-            spans.add(places.slice[i], std::uint16_t(n + std::size_t(i) - first));
+            runs.add(k + i, places.slice[i]);
         }
         n += std::size_t(used);
         k += count;
     }
-    spans.end(n - first);
+    runs.end();
     light.store(color);
     return n;
 }
 
 /// Eq. 2 for one ray of `count` samples, back to front.
 void differentiateOne(const CompositeVoxel* HWY_RESTRICT samples, const float* HWY_RESTRICT transmittances,
-                      std::size_t count, float length, const RayColor& derivative, CompositeVoxel* HWY_RESTRICT to) {
+                      std::size_t count, float length, const RayColor& derivative, SampleShare* HWY_RESTRICT to) {
     const Four zero = setFour(0), all = load(derivative);
-    const Four colors = firstOf(zero, all);        // dL/dC
     const Four summed = firstOf(setFour(1), all);  // 1, dL/dC
     // Σ_j>i T_j (1 − exp(−τ_j)) c_j, and in the first lane T dL/dT.
     Four behind = firstOf(all * setFour(transmittances[count]), zero);
     for (std::size_t i = count; i-- > 0;) {
         const Four color = firstOf(zero, load(samples + i));
-        const Four weight = setFour(transmittances[i] - transmittances[i + 1]);
+        const float weight = transmittances[i] - transmittances[i + 1];
         const Four change = mulSub(setFour(transmittances[i + 1]), color, behind);
-        const float depth = sumOf(summed * change);
-        storeFour(firstOf(setFour(depth * length), weight * colors), &to[i].extinction);
-        behind = mulAdd(weight, color, behind);
+        to[i] = {sumOf(summed * change) * length, weight};
+        behind = mulAdd(setFour(weight), color, behind);
     }
 }
 
-constexpr std::size_t kAhead = 6;  ///< rays
+/// Samples of one ray whose places are known.
+struct Located {
+    Places places;
+    const SampleShare* shares;
+    const RayColor* color;
+    int count;
+};
 
-/// A layer has few samples of each ray, so that every ray's would be waited for.
-HWY_INLINE void fetchAhead(const CompositeTape& tape, std::size_t ray, CompositeTape::Span span) {
-    if (span.first == span.last) return;
-    const CompositeTape::Piece& piece = tape.pieces[ray / kRaysTogether];
-    const std::size_t begin = piece.firsts[ray % kRaysTogether] + span.first;
-    hwy::Prefetch(&piece.numbers[begin]);
-    hwy::Prefetch(&piece.derivatives[begin]);
-    hwy::Prefetch(&piece.derivatives[begin] + 4);
+template <int kAxis>
+HWY_INLINE void spreadAll(const Located& samples, CompositeVoxel* HWY_RESTRICT gradient) {
+    const Four color = load(*samples.color);
+    for (int i = 0; i < samples.count; ++i) {
+        const Four given = firstOf(setFour(samples.shares[i].extinction), color * setFour(samples.shares[i].color));
+        spreadFrom<kAxis>(given, gradient, samples.places, i);
+    }
 }
 
-/// The samples of a layer, ray after ray in their order.
+/// A piece has little in each layer, so that every piece's would be waited for.
+HWY_INLINE void fetch(const CompositeTape::Piece& piece, const CompositeTape::Part& part) {
+    constexpr std::size_t kLine = 64, kShares = kLine / sizeof(SampleShare), kRuns = kLine / sizeof(CompositeTape::Run);
+    constexpr std::size_t kMostShares = 8 * kRaysTogether;  // of most layers all; a hint may point anywhere
+    for (std::size_t run = part.run; run < part.end; run += kRuns) hwy::Prefetch(piece.runs.data() + run);
+    for (std::size_t n = 0; n < kMostShares; n += kShares) hwy::Prefetch(piece.shares.data() + part.share + n);
+}
+
+/// The samples of a layer, ray after ray in their order. Places of some are found before others are added to: their
+/// voxels are asked for in between.
 template <int kAxis>
 void spreadLayerAlong(const CompositeLayout& layout, const CompositeRay* rays, std::size_t first, std::size_t last,
-                      const CompositeTape::Span* spans, const CompositeTape& tape, CompositeVoxel* gradient) {
+                      std::size_t layer, const CompositeTape& tape, CompositeVoxel* gradient) {
+    constexpr std::size_t kWaiting = 4, kAhead = 2;
     const Sampler<kAxis> sampler(layout);
-    const std::int32_t* table = layout.table.data();
-    Places places;
-    HWY_ALIGN float numbers[kChunk] = {};
-    for (std::size_t r = first; r < last; ++r) {
-        if (r + kAhead < last) fetchAhead(tape, r + kAhead, spans[r + kAhead]);
-        const CompositeTape::Span span = spans[r];
-        if (span.first == span.last) continue;
-        const CompositeTape::Piece& piece = tape.pieces[r / kRaysTogether];
-        const std::size_t begin = piece.firsts[r % kRaysTogether];
-        for (std::size_t n = begin + span.first; n < begin + span.last; n += kChunk) {
-            const int count = int(std::min<std::size_t>(kChunk, begin + span.last - n));
-            for (int i = 0; i < count; ++i) numbers[i] = float(piece.numbers[n + std::size_t(i)]);
-            sampler.locate(rays[r], numbers, places);
-            for (int i = 0; i < count; ++i)
-                spreadFrom<kAxis>(sampler, table, load(&piece.derivatives[n + std::size_t(i)]), gradient, places, i);
+    Located waiting[kWaiting];
+    std::size_t asked = 0;
+    for (std::size_t p = first / kRaysTogether; p * kRaysTogether < last; ++p) {
+        if ((p + kAhead) * kRaysTogether < last)
+            fetch(tape.pieces[p + kAhead], tape.parts[layer * tape.pieces.size() + p + kAhead]);
+        const CompositeTape::Piece& piece = tape.pieces[p];
+        const CompositeTape::Part part = tape.parts[layer * tape.pieces.size() + p];
+        const SampleShare* shares = piece.shares.data() + part.share;
+        for (std::uint32_t n = part.run; n < part.end; ++n) {
+            const CompositeTape::Run run = piece.runs[n];
+            const std::size_t r = p * kRaysTogether + run.ray;
+            const int count = run.count;
+            const SampleShare* next = shares;
+            shares += count;
+            if (r < first || r >= last) continue;
+            for (int from = 0; from < count; from += kChunk) {
+                Located& to = waiting[asked % kWaiting];
+                if (asked >= kWaiting) spreadAll<kAxis>(to, gradient);
+                ++asked;
+                to.shares = next + from;
+                to.color = &tape.shared[r];
+                to.count = std::min(kChunk, count - from);
+                sampler.locate(rays[r], run.first + from, run.first + count - 1, to.places);
+                sampler.prefetch(gradient, to.places, to.count);
+            }
         }
     }
+    for (std::size_t n = asked - std::min(asked, kWaiting); n < asked; ++n)
+        spreadAll<kAxis>(waiting[n % kWaiting], gradient);
 }
 
 }  // namespace
 
 void compositeDispatched(const CompositeLayout& layout, const CompositeVoxel* voxels, const CompositeRay* rays,
-                         std::size_t count, SampleRoom& room, const SpanTable& spans, RayColor* colors) {
+                         std::size_t count, SampleRoom& room, RayColor* colors) {
     room.reserve(rays, count);
     const auto one = [](int axis) {
         return axis == 0 ? compositeOne<0> : (axis == 1 ? compositeOne<1> : compositeOne<2>);
@@ -239,25 +297,25 @@ void compositeDispatched(const CompositeLayout& layout, const CompositeVoxel* vo
     for (std::size_t r = 0; r < count; ++r) {
         room.firsts[r] = std::uint32_t(n);
         n = one(rays[r].axis)(layout, voxels, rays[r], room, n, room.transmittances.data() + n + r,
-                              SpanWriter(spans, r), colors[r]);
+                              RunWriter(room.runs, r), colors[r]);
     }
     room.firsts[count] = std::uint32_t(n);
 }
 
-void differentiateDispatched(const CompositeRay* rays, std::size_t count, const SampleRoom& room,
-                             const RayColor* derivatives, CompositeTape::Piece& to) {
+void differentiateDispatched(const CompositeRay* rays, std::size_t count, SampleRoom& room,
+                             const RayColor* derivatives) {
     for (std::size_t r = 0; r < count; ++r) {
         const std::size_t first = room.firsts[r];
         differentiateOne(room.samples.data() + first, room.transmittances.data() + first + r,
-                         room.firsts[r + 1] - first, rays[r].length, derivatives[r], to.derivatives.data() + first);
+                         room.firsts[r + 1] - first, rays[r].length, derivatives[r], room.shares.data() + first);
     }
 }
 
 void spreadLayerDispatched(const CompositeLayout& layout, const CompositeRay* rays, std::size_t first, std::size_t last,
-                           const CompositeTape::Span* spans, const CompositeTape& tape, CompositeVoxel* gradient) {
+                           std::size_t layer, const CompositeTape& tape, CompositeVoxel* gradient) {
     const int axis = rays[first].axis;
     const auto spread = axis == 0 ? spreadLayerAlong<0> : (axis == 1 ? spreadLayerAlong<1> : spreadLayerAlong<2>);
-    spread(layout, rays, first, last, spans, tape, gradient);
+    spread(layout, rays, first, last, layer, tape, gradient);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -273,15 +331,34 @@ HWY_EXPORT(spreadLayerDispatched);
 
 namespace {
 
-/// Makes room for what a piece's rays have met.
-void fit(CompositeTape::Piece& piece, const SampleRoom& room, std::size_t rays) {
-    piece.used = room.firsts[rays];
-    if (piece.derivatives.size() < piece.used) {
-        piece.derivatives.resize(piece.used);
-        piece.numbers.resize(piece.used);
+/// Puts a piece's samples, which are in the order of rays, into that of layers.
+void keep(SampleRoom& room, std::size_t layers, CompositeTape& tape, std::size_t number) {
+    CompositeTape::Piece& piece = tape.pieces[number];
+    std::vector<CompositeTape::Part>& parts = room.parts;  // how much, and then where the next goes
+    parts.assign(layers, {});
+    for (const CompositeTape::Run& run : room.runs) {
+        parts[run.layer].share += run.count;
+        ++parts[run.layer].end;
     }
-    std::copy_n(room.numbers.begin(), piece.used, piece.numbers.begin());
-    piece.firsts.assign(room.firsts.begin(), room.firsts.begin() + std::ptrdiff_t(rays));
+    std::uint32_t share = 0, run = 0;
+    for (std::size_t layer = 0; layer < layers; ++layer) {
+        const CompositeTape::Part count = parts[layer];
+        parts[layer] = {share, run, run};
+        share += count.share;
+        run += count.end;
+        tape.parts[layer * tape.pieces.size() + number] = {parts[layer].share, parts[layer].run, run};
+    }
+    piece.used = share;
+    if (piece.shares.size() < share) piece.shares.resize(share);
+    if (piece.runs.size() < run) piece.runs.resize(run);
+    const SampleShare* from = room.shares.data();
+    for (const CompositeTape::Run& one : room.runs) {
+        CompositeTape::Part& to = parts[one.layer];
+        piece.runs[to.end++] = one;
+        std::copy_n(from, one.count, piece.shares.data() + to.share);
+        to.share += one.count;
+        from += one.count;
+    }
 }
 
 /// The rays of one major axis: their layers, every other first.
@@ -292,13 +369,12 @@ void spread(const CompositeLayout& layout, const std::vector<CompositeRay>& rays
         parallelFor(std::size_t((layers - parity + 1) / 2), [&](std::size_t n) {
             const std::size_t layer = 2 * n + std::size_t(parity);
             HWY_DYNAMIC_DISPATCH(spreadLayerDispatched)
-            (layout, rays.data(), first, last, tape.spans.data() + layer * rays.size(), tape, gradient);
+            (layout, rays.data(), first, last, layer, tape, gradient);
         });
 }
 
-/// Sets the derivatives of the samples of a piece's rays.
-using PieceRule =
-    std::function<void(std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to)>;
+/// Sets the shares of a piece's samples, and what its rays share.
+using PieceRule = std::function<void(std::size_t first, std::size_t count, SampleRoom& room, RayColor* shared)>;
 
 /// All rays forth, and what `rule` makes of their samples back.
 void traceAndSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
@@ -307,18 +383,18 @@ void traceAndSpread(const CompositeLayout& layout, const CompositeVoxel* voxels,
         if (rays[r].axis < rays[r - 1].axis)
             throw InvalidArgument("rays must be in the order of their major axes; sort them");
     const std::size_t pieces = (rays.size() + kRaysTogether - 1) / kRaysTogether;
-    const int layers = std::max({layout.tableDims.x, layout.tableDims.y, layout.tableDims.z});
+    const std::size_t layers = std::size_t(std::max({layout.tableDims.x, layout.tableDims.y, layout.tableDims.z}));
     tape.pieces.resize(pieces);
-    tape.spans.assign(std::size_t(layers) * rays.size(), {});
+    tape.parts.resize(layers * pieces);
     tape.colors.resize(rays.size());
+    tape.shared.resize(rays.size());
     parallelFor(pieces, [&](std::size_t piece) {
         thread_local SampleRoom room;
         const std::size_t first = piece * kRaysTogether, count = std::min(kRaysTogether, rays.size() - first);
-        const SpanTable spans{tape.spans.data() + first, rays.size()};
         HWY_DYNAMIC_DISPATCH(compositeDispatched)
-        (layout, voxels, rays.data() + first, count, room, spans, tape.colors.data() + first);
-        fit(tape.pieces[piece], room, count);
-        rule(first, count, room, tape.pieces[piece]);
+        (layout, voxels, rays.data() + first, count, room, tape.colors.data() + first);
+        rule(first, count, room, tape.shared.data() + first);
+        keep(room, layers, tape, piece);
     });
     tape.samples = 0;
     for (const CompositeTape::Piece& piece : tape.pieces) tape.samples += piece.used;
@@ -338,30 +414,31 @@ void composite(const CompositeLayout& layout, const CompositeVoxel* voxels, cons
         thread_local SampleRoom room;
         const std::size_t first = piece * kRaysTogether;
         HWY_DYNAMIC_DISPATCH(compositeDispatched)
-        (layout, voxels, rays + first, std::min(kRaysTogether, count - first), room, {}, colors + first);
+        (layout, voxels, rays + first, std::min(kRaysTogether, count - first), room, colors + first);
     });
 }
 
 void compositeGradient(const CompositeLayout& layout, const CompositeVoxel* voxels,
                        const std::vector<CompositeRay>& rays, const RayLoss& loss, CompositeTape& tape,
                        CompositeVoxel* gradient) {
-    const auto rule = [&](std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to) {
-        RayColor derivatives[kRaysTogether];
+    const auto rule = [&](std::size_t first, std::size_t count, SampleRoom& room, RayColor* derivatives) {
         loss(first, count, tape.colors.data() + first, derivatives);
-        HWY_DYNAMIC_DISPATCH(differentiateDispatched)(rays.data() + first, count, room, derivatives, to);
+        HWY_DYNAMIC_DISPATCH(differentiateDispatched)(rays.data() + first, count, room, derivatives);
     };
     traceAndSpread(layout, voxels, rays, rule, tape, gradient);
 }
 
 void compositeSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
                      const SampleRule& rule, CompositeTape& tape, CompositeVoxel* sums) {
-    const auto each = [&](std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to) {
+    const auto each = [&](std::size_t first, std::size_t count, SampleRoom& room, RayColor* shared) {
         for (std::size_t r = 0; r < count; ++r) {
             const std::size_t begin = room.firsts[r];
-            rule(first + r,
-                 {rays[first + r], tape.colors[first + r], room.samples.data() + begin,
-                  room.transmittances.data() + begin + r, room.numbers.data() + begin, room.firsts[r + 1] - begin},
-                 to.derivatives.data() + begin);
+            const std::array<float, 3> color =
+                rule(first + r,
+                     {rays[first + r], tape.colors[first + r], room.samples.data() + begin,
+                      room.transmittances.data() + begin + r, room.numbers.data() + begin, room.firsts[r + 1] - begin},
+                     room.shares.data() + begin);
+            shared[r] = {0, color[0], color[1], color[2]};
         }
     };
     traceAndSpread(layout, voxels, rays, each, tape, sums);

@@ -13,6 +13,7 @@
 #include "raysweep/camera/camera.h"
 #include "raysweep/projector/composite_volume.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -55,22 +56,34 @@ void composite(const CompositeLayout& layout, const CompositeVoxel* voxels, cons
 using RayLoss =
     std::function<void(std::size_t first, std::size_t count, const RayColor* colors, RayColor* derivatives)>;
 
+/// What a sample is given: to extinction, and in parts of a colour that is the ray's.
+struct SampleShare {
+    float extinction = 0, color = 0;
+};
+
 /// Memory of a batch of rays, to be used again for the next.
 struct CompositeTape {
-    /// Samples of some rays, one after the other.
-    struct Piece {
-        std::vector<CompositeVoxel> derivatives;  ///< with respect to the sample
-        std::vector<std::uint16_t> numbers;       ///< of the sample on its ray
-        std::vector<std::uint32_t> firsts;        ///< of each ray
-        std::size_t used = 0;
+    /// Samples of a ray that follow one another in one layer of bricks.
+    struct Run {
+        std::uint16_t first;  ///< number of the first on its ray
+        std::uint16_t layer;
+        std::uint8_t ray;  ///< in its piece
+        std::uint8_t count;
     };
-    /// Of a ray's samples those in one layer of bricks.
-    struct Span {
-        std::uint16_t first = 0, last = 0;
+    /// Samples of some rays, layer after layer, in each ray after ray.
+    struct Piece {
+        std::vector<SampleShare> shares;
+        std::vector<Run> runs;
+        std::size_t used = 0;  ///< samples
+    };
+    /// What a piece has in a layer: where its shares and its runs begin, and where the latter end.
+    struct Part {
+        std::uint32_t share, run, end;
     };
     std::vector<Piece> pieces;
-    std::vector<Span> spans;       ///< layer after layer all rays
+    std::vector<Part> parts;       ///< layer after layer all pieces
     std::vector<RayColor> colors;  ///< of each ray
+    std::vector<RayColor> shared;  ///< what its samples are given parts of; the first lane means nothing
     std::size_t samples = 0;       ///< in the batch, that were not skipped
 };
 
@@ -92,8 +105,9 @@ struct RaySamples {
     std::size_t count;
 };
 
-/// Sets `values` of the samples of ray `ray`. Called from several threads.
-using SampleRule = std::function<void(std::size_t ray, const RaySamples& samples, CompositeVoxel* values)>;
+/// Sets the shares of the samples of ray `ray`. Called from several threads.
+/// @return red, green and blue that they have parts of
+using SampleRule = std::function<std::array<float, 3>(std::size_t ray, const RaySamples& samples, SampleShare* shares)>;
 
 /// Adds to `sums` what a rule gives samples, spread over the voxels by the weights with which they were interpolated:
 /// the backprojection that belongs to `composite`. As compositeGradient, whose rule is eq. 2, in all else.

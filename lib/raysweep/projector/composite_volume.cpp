@@ -1,6 +1,9 @@
 #include "raysweep/projector/composite_volume.h"
 
+#include "raysweep/core/error.h"
+
 #include <algorithm>
+#include <string>
 
 namespace raysweep {
 namespace {
@@ -84,6 +87,11 @@ CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBric
         layout.origins.push_back(brick.origin);
         layout.masks.push_back(brick.mask);
     }
+    constexpr std::size_t kMostBricks = std::size_t(1) << 22;  // voxels are numbered by 31 bits
+    if (layout.brickCount() > kMostBricks)
+        throw InvalidArgument("the volume has " + std::to_string(layout.brickCount() - 1) +
+                              " bricks of 8x8x8 voxels; at most " + std::to_string(kMostBricks - 1) +
+                              " are possible; make it coarser");
     for (const MaskedBrick& brick : seen)
         for (int i = 0; i < 512; ++i) {
             const Index3 within(i >> 6, i >> 3 & 7, i & 7);

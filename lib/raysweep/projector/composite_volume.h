@@ -56,6 +56,7 @@ struct MaskedBrick {
 
 /// @param bricks at most one for each place; those with empty masks are left out
 /// @param seen bricks of those voxels that may have extinction: rays take samples near these only
+/// @throw InvalidArgument for 2^22 bricks and more
 CompositeLayout compositeLayout(const Index3& dims, const std::vector<MaskedBrick>& bricks,
                                 const std::vector<MaskedBrick>& seen);
 

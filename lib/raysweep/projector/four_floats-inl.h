@@ -137,6 +137,86 @@ HWY_INLINE bool isZero(Four a) {
 
 #endif
 
+// Two of them one after the other, as neighbours in memory are.
+#if HWY_TARGET != HWY_SCALAR && HWY_MAX_BYTES >= 32
+
+constexpr hn::FixedTag<float, 8> kEight;
+
+struct Eight {
+    hn::Vec<decltype(kEight)> v;
+};
+
+HWY_INLINE Eight loadEight(const float* from) {
+    return {hn::LoadU(kEight, from)};
+}
+HWY_INLINE void storeEight(Eight a, float* to) {
+    hn::StoreU(a.v, kEight, to);
+}
+HWY_INLINE Eight setEight(float value) {
+    return {hn::Set(kEight, value)};
+}
+HWY_INLINE Eight together(Four low, Four high) {
+    return {hn::Combine(kEight, high.v, low.v)};
+}
+HWY_INLINE Four lowOf(Eight a) {
+    return {hn::LowerHalf(kFour, a.v)};
+}
+HWY_INLINE Four highOf(Eight a) {
+    return {hn::UpperHalf(kFour, a.v)};
+}
+HWY_INLINE Eight operator+(Eight a, Eight b) {
+    return {hn::Add(a.v, b.v)};
+}
+HWY_INLINE Eight operator-(Eight a, Eight b) {
+    return {hn::Sub(a.v, b.v)};
+}
+HWY_INLINE Eight operator*(Eight a, Eight b) {
+    return {hn::Mul(a.v, b.v)};
+}
+HWY_INLINE Eight mulAdd(Eight a, Eight b, Eight c) {
+    return {hn::MulAdd(a.v, b.v, c.v)};
+}
+
+#else
+
+struct Eight {
+    Four low, high;
+};
+
+HWY_INLINE Eight loadEight(const float* from) {
+    return {loadFour(from), loadFour(from + 4)};
+}
+HWY_INLINE void storeEight(Eight a, float* to) {
+    storeFour(a.low, to);
+    storeFour(a.high, to + 4);
+}
+HWY_INLINE Eight setEight(float value) {
+    return {setFour(value), setFour(value)};
+}
+HWY_INLINE Eight together(Four low, Four high) {
+    return {low, high};
+}
+HWY_INLINE Four lowOf(Eight a) {
+    return a.low;
+}
+HWY_INLINE Four highOf(Eight a) {
+    return a.high;
+}
+HWY_INLINE Eight operator+(Eight a, Eight b) {
+    return {a.low + b.low, a.high + b.high};
+}
+HWY_INLINE Eight operator-(Eight a, Eight b) {
+    return {a.low - b.low, a.high - b.high};
+}
+HWY_INLINE Eight operator*(Eight a, Eight b) {
+    return {a.low * b.low, a.high * b.high};
+}
+HWY_INLINE Eight mulAdd(Eight a, Eight b, Eight c) {
+    return {mulAdd(a.low, b.low, c.low), mulAdd(a.high, b.high, c.high)};
+}
+
+#endif
+
 }  // namespace HWY_NAMESPACE
 }  // namespace raysweep
 HWY_AFTER_NAMESPACE();

@@ -78,10 +78,10 @@ class ColorSolver {
     void update(const RayPixels& target, const ViewLight& light, std::size_t view,
                 std::vector<CompositeVoxel>& colors) {
         lightAll(surfaces_, colors, light, shown_);
-        const auto rule = [&](std::size_t r, const RaySamples& samples, CompositeVoxel* values) {
-            const std::array<float, 3> missing = {target[r][0] - samples.color.red, target[r][1] - samples.color.green,
-                                                  target[r][2] - samples.color.blue};
-            correctColors(rays_[view].shares[r], samples, missing, values);
+        const auto rule = [&](std::size_t r, const RaySamples& samples, SampleShare* shares) {
+            shareColors(rays_[view].shares[r], samples, shares);
+            return std::array<float, 3>{target[r][0] - samples.color.red, target[r][1] - samples.color.green,
+                                        target[r][2] - samples.color.blue};
         };
         compositeSpread(surfaces_.layout, shown_.data(), rays_[view].rays, rule, tape_, sums_.data());
         parallelFor(surfaces_.layout.brickCount() - 1, [&](std::size_t n) {

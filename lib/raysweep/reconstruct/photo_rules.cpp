@@ -9,19 +9,19 @@ std::array<float, 3> missing(const std::array<float, 4>& pixel, const RayColor& 
     return {pixel[0] - seen.red, pixel[1] - seen.green, pixel[2] - seen.blue};
 }
 
-void paperRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, CompositeVoxel* values) {
+std::array<float, 3> paperRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, SampleShare* shares) {
     const auto& pixel = rays.pixels[r];
     const float part = 1 / (float(s.ray.count) * s.ray.length);
-    const auto colors = missing(pixel, s.color);
     const float opacity = pixel[3] - (1 - s.color.transmittance);
     for (std::size_t i = 0; i < s.count; ++i) {
         const float share = part * rays.shares[r].at(s.numbers[i]);
-        values[i] = {share * opacity, share * colors[0], share * colors[1], share * colors[2]};
+        shares[i] = {share * opacity, share};
     }
+    return missing(pixel, s.color);
 }
 
-void consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const RaySamples& s,
-                    CompositeVoxel* values) {
+std::array<float, 3> consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const RaySamples& s,
+                                    SampleShare* shares) {
     const auto& pixel = rays.pixels[r];
     float opacities = kLeastOpacity * s.ray.length * float(s.count);
     for (std::size_t i = 0; i < s.count; ++i) opacities += 1 - s.transmittances[i + 1] / s.transmittances[i];
@@ -30,8 +30,9 @@ void consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const
     float change = asked - depth;
     if (asked >= mostDepth) change = std::max(change, 0.0f);
     change /= std::max(opacities, 1e-6f);
-    correctColors(rays.shares[r], s, missing(pixel, s.color), values);
-    for (std::size_t i = 0; i < s.count; ++i) values[i].extinction = rays.shares[r].at(s.numbers[i]) * change;
+    shareColors(rays.shares[r], s, shares);
+    for (std::size_t i = 0; i < s.count; ++i) shares[i].extinction = rays.shares[r].at(s.numbers[i]) * change;
+    return missing(pixel, s.color);
 }
 
 }  // namespace raysweep

@@ -15,11 +15,12 @@ constexpr float kLeastOpacity = 0.01f;
 /// What a pixel shows more than the volume: red, green, blue, multiplied by opacity.
 std::array<float, 3> missing(const std::array<float, 4>& pixel, const RayColor& seen);
 
-/// Eq. 1 of photo_sart.h for ray `r`.
-void paperRule(const PhotoRays& rays, std::size_t r, const RaySamples& samples, CompositeVoxel* values);
+/// Eq. 1 of photo_sart.h for ray `r`. @return what the shares are of: what the pixel shows more
+std::array<float, 3> paperRule(const PhotoRays& rays, std::size_t r, const RaySamples& samples, SampleShare* shares);
 
 /// Eq. 2 of photo_sart.h for ray `r`. @param mostDepth from which pixels say "at least"
-void consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const RaySamples& samples,
-                    CompositeVoxel* values);
+/// @return what the shares are of: what the pixel shows more
+std::array<float, 3> consistentRule(const PhotoRays& rays, std::size_t r, float mostDepth, const RaySamples& samples,
+                                    SampleShare* shares);
 
 }  // namespace raysweep

@@ -136,8 +136,9 @@ class PhotoSolver {
         const float mostDepth = float(-std::log1p(-options_.saturation));
         compositeSpread(
             layout_, shown_.empty() ? volume_.data() : shown_.data(), rays_.rays,
-            [&](std::size_t r, const RaySamples& samples, CompositeVoxel* values) {
-                additive_ ? paperRule(rays_, r, samples, values) : consistentRule(rays_, r, mostDepth, samples, values);
+            [&](std::size_t r, const RaySamples& samples, SampleShare* shares) {
+                return additive_ ? paperRule(rays_, r, samples, shares)
+                                 : consistentRule(rays_, r, mostDepth, samples, shares);
             },
             tape_, sums_.data());
         forBricks([&](std::size_t b) {

@@ -26,9 +26,9 @@ struct Sightings {
     const Sighting* of(std::size_t place) const { return all.data() + place * views; }
 };
 
-/// Gives a sample the square of its visibility, and that times the brightness it is seen in: its own, and of what the
-/// picture shows more than the volume the part that the shortest way to the picture gives it.
-void sightRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, CompositeVoxel* values) {
+/// Gives a sample the square of its visibility, and that times the brightness it is seen in, as red: its own, and of
+/// what the picture shows more than the volume the part that the shortest way to the picture gives it.
+std::array<float, 3> sightRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, SampleShare* shares) {
     const auto& pixel = rays.pixels[r];
     const float more = (pixel[0] + pixel[1] + pixel[2]) - (s.color.red + s.color.green + s.color.blue);
     float squares = 1e-4f;
@@ -40,8 +40,9 @@ void sightRule(const PhotoRays& rays, std::size_t r, const RaySamples& s, Compos
         const float seen = s.transmittances[i] - s.transmittances[i + 1];
         const float weight = rays.shares[r].at(s.numbers[i]) * seen * seen;
         const CompositeVoxel& c = s.samples[i];
-        values[i] = {weight, weight * (c.red + c.green + c.blue + seen * more / squares), 0, 0};
+        shares[i] = {weight, weight * (c.red + c.green + c.blue + seen * more / squares)};
     }
+    return {1, 0, 0};
 }
 
 /// What all pictures show of all voxels: Σ w and Σ w b, view after view.
@@ -53,8 +54,8 @@ std::vector<std::vector<CompositeVoxel>> sightAll(const std::vector<Photograph>&
     for (std::size_t n = 0; n < pictures.size(); ++n) {
         sums[n].resize(surfaces.layout.voxelCount());
         setRays(rays, pictures[n], surfaces.grid, surfaces.layout, 1, 0);
-        const auto rule = [&](std::size_t r, const RaySamples& samples, CompositeVoxel* values) {
-            sightRule(rays, r, samples, values);
+        const auto rule = [&](std::size_t r, const RaySamples& samples, SampleShare* shares) {
+            return sightRule(rays, r, samples, shares);
         };
         compositeSpread(surfaces.layout, surfaces.voxels.data(), rays.rays, rule, tape, sums[n].data());
     }

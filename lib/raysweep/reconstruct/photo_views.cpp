@@ -140,17 +140,15 @@ void setRays(PhotoRays& to, const Photograph& picture, const ReconstructionGrid&
     to.pictureRays = double(width) * height / (half ? 2 : 1);
 }
 
-void correctColors(const RayShare& share, const RaySamples& s, const std::array<float, 3>& missing,
-                   CompositeVoxel* values) {
+void shareColors(const RayShare& share, const RaySamples& s, SampleShare* shares) {
     float squares = 1e-4f;  // what hardly shows has hardly a colour
     for (std::size_t i = 0; i < s.count; ++i) {
         const float seen = s.transmittances[i] - s.transmittances[i + 1];
         squares += seen * seen;
     }
-    for (std::size_t i = 0; i < s.count; ++i) {
-        const float part = share.at(s.numbers[i]) * (s.transmittances[i] - s.transmittances[i + 1]) / squares;
-        values[i] = {0, part * missing[0], part * missing[1], part * missing[2]};
-    }
+    const float part = 1 / squares;
+    for (std::size_t i = 0; i < s.count; ++i)
+        shares[i] = {0, share.at(s.numbers[i]) * (s.transmittances[i] - s.transmittances[i + 1]) * part};
 }
 
 }  // namespace raysweep

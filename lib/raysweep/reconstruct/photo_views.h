@@ -49,9 +49,9 @@ struct PhotoRays {
 void setRays(PhotoRays& rays, const Photograph& picture, const ReconstructionGrid& grid, const CompositeLayout& layout,
              int perSlice, int time);
 
-/// Gives the samples of a ray the shortest change of colours that brings it by `missing` nearer to a pixel: by their
-/// visibility v_s (composite.h, eq. 2), v_s / Σ v², times the ray's share. Extinction is given nothing.
-void correctColors(const RayShare& share, const RaySamples& samples, const std::array<float, 3>& missing,
-                   CompositeVoxel* values);
+/// Gives the samples of a ray their parts of what a pixel shows more, such that it is met by the shortest change of
+/// colours: by their visibility v_s (composite.h, eq. 2), v_s / Σ v², times the ray's share. Extinction is given
+/// nothing.
+void shareColors(const RayShare& share, const RaySamples& samples, SampleShare* shares);
 
 }  // namespace raysweep

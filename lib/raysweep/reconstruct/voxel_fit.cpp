@@ -25,27 +25,46 @@ constexpr float kLeastRoot = 0.02f;  ///< of a colour: at 0 it could not move an
 
 constexpr int kEdge = 10;  ///< a brick and its neighbours' voxels
 
-/// A brick with one voxel of its neighbours around it, colours as square roots.
+/// A brick, and before each of its faces the voxels of its neighbour; colours as square roots. Edges and corners are
+/// not set.
 struct Surroundings {
     HWY_ALIGN float values[kEdge * kEdge * kEdge][4];
     HWY_ALIGN float kept[kEdge * kEdge * kEdge];
 
     static int index(int x, int y, int z) { return (x * kEdge + y) * kEdge + z; }
 
-    HWY_INLINE void set(const CompositeLayout& layout, const CompositeVoxel* voxels, const Index3& at, int to) {
-        const std::size_t from = layout.voxel(at);
-        const bool keeps = isSet(layout.masks[from >> 9], int(from >> 6 & 7), int(from >> 3 & 7), int(from & 7));
-        const Four value = loadFour(&voxels[from].extinction);
-        storeFour(firstOf(value, rootOf(value)), values[to]);
-        kept[to] = keeps ? 1.0f : 0.0f;
+    HWY_INLINE void fill(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b) {
+        for (int x = 0; x < 8; ++x)
+            for (int y = 0; y < 8; ++y)
+                for (int z = 0; z < 8; ++z) set(layout, voxels, b, {x, y, z}, index(x + 1, y + 1, z + 1));
+        for (int axis = 0; axis < 3; ++axis)
+            for (const int side : {-1, 1}) fillFace(layout, voxels, b, axis, side);
     }
 
-    HWY_INLINE void fill(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b) {
-        const Index3 origin = layout.origins[b];
-        for (int x = 0; x < kEdge; ++x)
-            for (int y = 0; y < kEdge; ++y)
-                for (int z = 0; z < kEdge; ++z)
-                    set(layout, voxels, origin + Index3(x - 1, y - 1, z - 1), index(x, y, z));
+  private:
+    HWY_INLINE void fillFace(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t b, int axis,
+                             int side) {
+        Index3 beside = layout.origins[b];
+        beside[axis] += 8 * side;
+        const std::size_t neighbour = layout.voxel(beside) >> 9;
+        const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+        Index3 from, to;
+        from[axis] = side < 0 ? 7 : 0;
+        to[axis] = side < 0 ? 0 : kEdge - 1;
+        for (int u = 0; u < 8; ++u)
+            for (int v = 0; v < 8; ++v) {
+                from[first] = u, from[second] = v;
+                to[first] = u + 1, to[second] = v + 1;
+                set(layout, voxels, neighbour, from, index(to.x, to.y, to.z));
+            }
+    }
+
+    HWY_INLINE void set(const CompositeLayout& layout, const CompositeVoxel* voxels, std::size_t brick,
+                        const Index3& from, int to) {
+        const std::size_t within = std::size_t(from.x << 6 | from.y << 3 | from.z);
+        const Four value = loadFour(&voxels[brick << 9 | within].extinction);
+        storeFour(firstOf(value, rootOf(value)), values[to]);
+        kept[to] = isSet(layout.masks[brick], from.x, from.y, from.z) ? 1.0f : 0.0f;
     }
 };
 

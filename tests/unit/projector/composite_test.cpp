@@ -322,13 +322,17 @@ TEST(Composite, SpreadIsTheTransposeOfSampling) {
             std::vector<CompositeVoxel> sums(volume.voxels.size());
             std::vector<double> squares(rays.rays.size());
             CompositeTape tape;
-            const auto rule = [&](std::size_t r, const RaySamples& samples, CompositeVoxel* values) {
-                std::copy_n(samples.samples, samples.count, values);
-                for (std::size_t i = 0; i < samples.count; ++i)
-                    for (int c = 0; c < kChannels4; ++c)
-                        squares[r] += double(channelOf(samples.samples[i], c)) * channelOf(samples.samples[i], c);
-            };
-            compositeSpread(volume.layout, volume.voxels.data(), rays.rays, rule, tape, sums.data());
+            for (int c = 0; c < kChannels4; ++c) {
+                const auto rule = [&](std::size_t r, const RaySamples& samples, SampleShare* shares) {
+                    for (std::size_t i = 0; i < samples.count; ++i) {
+                        const float value = channelOf(samples.samples[i], c);
+                        shares[i] = c == 0 ? SampleShare{value, 0} : SampleShare{0, value};
+                        squares[r] += double(value) * value;
+                    }
+                    return std::array<float, 3>{float(c == 1), float(c == 2), float(c == 3)};
+                };
+                compositeSpread(volume.layout, volume.voxels.data(), rays.rays, rule, tape, sums.data());
+            }
             double back = 0, forth = 0;
             for (const double square : squares) forth += square;
             for (std::size_t i = 512; i < sums.size(); ++i)

@@ -76,9 +76,10 @@ TEST(PhotoSart, RaysShareTheVoxelsOfAView) {
                 CompositeTape tape;
                 compositeSpread(
                     layout, empty.data(), rays.rays,
-                    [&](std::size_t r, const RaySamples& samples, CompositeVoxel* values) {
+                    [&](std::size_t r, const RaySamples& samples, SampleShare* shares) {
                         for (std::size_t i = 0; i < samples.count; ++i)
-                            values[i] = {rays.shares[r].at(samples.numbers[i]), 0, 0, 0};
+                            shares[i] = {rays.shares[r].at(samples.numbers[i]), 0};
+                        return std::array<float, 3>{};
                     },
                     tape, sums.data());
                 double all = 0, most = 0;
