@@ -212,6 +212,17 @@ bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
     return !(isInterrupted(outcome.result) && outcome.result.density->empty());
 }
 
+/// Looks what photographs see. @return false if it was stopped
+bool addConfidence(const PhotoArguments& a, PhotoOutcome& outcome, ColorVolume& volume) {
+    const Timer timer;
+    TerminalProgress progress(a.common);
+    outcome.confidence = photoConfidence(*volume.density, outcome.sets.used.views, {}, progress.callback());
+    volume.confidence = outcome.confidence.confidence;
+    volume.views = outcome.confidence.views;
+    outcome.confidenceSeconds = timer.seconds();
+    return volume.confidence != nullptr;
+}
+
 int run(PhotoArguments& a) {
     const ThreadLimit limit = start(a.common);
     requireOutputs(a);
@@ -225,9 +236,10 @@ int run(PhotoArguments& a) {
         return kInterrupted;
     }
     const PhotoReconstruction& result = outcome.result;
-    const ColorVolume volume{result.density, result.color, nullptr};
+    ColorVolume volume{result.density, result.color};
+    bool stopped = isInterrupted(result);
+    if (a.confidence && !stopped) stopped = !addConfidence(a, outcome, volume);
     write(a, outcome.sets, volume);
-    const bool stopped = isInterrupted(result);
     if (stopped) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
     if (!stopped) outcome.judgement = judgeAll(a, outcome.sets, volume, shading);
     comment(a, outcome);

@@ -87,6 +87,8 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--size", a.size,
                    "Voxels along the longest edge of the box, a multiple of 8 (default: 256 for fit, else 128)")
         ->type_name("N");
+    app.add_flag("--confidence", a.confidence,
+                 "Write how well photographs have seen each voxel, too: grids confidence and views");
     app.add_flag("--half", a.half, "Save as half floats");
 }
 

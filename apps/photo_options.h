@@ -25,7 +25,7 @@ struct PhotoArguments {
     Shading shading;  ///< of the photographs, but for its direction
     std::optional<Box3> box;
     std::optional<Vec3> lightInWorld;  ///< in the first view
-    bool findLight = false, lampStands = false, half = false;
+    bool findLight = false, lampStands = false, half = false, confidence = false;
     double backdrop = 1;
 };
 

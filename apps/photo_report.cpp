@@ -1,6 +1,8 @@
 #include "photo_report.h"
 #include "plot.h"
 
+#include "raysweep/volume/active_values.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -85,6 +87,13 @@ void addHistory(Json& json, const PhotoReconstruction& result, bool compared) {
     json["rms_color_history"] = historyOf(result, &PhotoPoint::color);
 }
 
+/// Voxels that a photograph sees.
+std::size_t countOf(const openvdb::FloatGrid& views) {
+    return sumOverActive<std::size_t>(views, [](std::size_t& count, float seen, const openvdb::CoordBBox& box) {
+        if (seen > 0) count += std::size_t(box.volume());
+    });
+}
+
 void addLight(Json& json, const PhotoReconstruction& result) {
     if (!result.light) return;
     const PhotoLight& light = *result.light;
@@ -149,11 +158,13 @@ nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& out
     json["spacing"] = result.density->voxelSize().x();
     json["voxels_active"] = result.density->activeVoxelCount();
     json["voxels_kept"] = result.keptVoxels;
+    if (outcome.confidence.views) json["voxels_seen"] = countOf(*outcome.confidence.views);
     json["bounds"] = bounds.isEmpty() ? Json(nullptr) : Json{listOf(bounds.min), listOf(bounds.max)};
     json["timings"] = {{"read", sets.seconds},
                        {"prepare", result.timings.prepared},
                        {"light", result.timings.light},
                        {"updates", result.timings.updates},
+                       {"confidence", outcome.confidenceSeconds},
                        {"compare", outcome.judgement.used.seconds + outcome.judgement.heldOut.seconds +
                                        outcome.judgement.test.seconds}};
     addLight(json, result);

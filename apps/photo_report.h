@@ -5,6 +5,7 @@
 
 #include "raysweep/camera/photograph_sets.h"
 #include "raysweep/reconstruct/photo.h"
+#include "raysweep/reconstruct/photo_confidence.h"
 #include "raysweep/render/photo_quality.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -24,6 +25,8 @@ struct Judgement {
 struct PhotoOutcome {
     PhotographSets sets;
     PhotoReconstruction result;
+    PhotoConfidence confidence;  ///< where it was asked for
+    double confidenceSeconds = 0;
     Judgement judgement;
     std::vector<std::string> warnings;
     double seconds = 0;

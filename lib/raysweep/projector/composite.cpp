@@ -296,6 +296,17 @@ void spread(const CompositeLayout& layout, const std::vector<CompositeRay>& rays
         });
 }
 
+/// Those of ray `r` of a piece.
+RaySamples samplesOf(const SampleRoom& room, std::size_t r, const CompositeRay& ray, const RayColor& color) {
+    const std::size_t begin = room.firsts[r];
+    return {ray,
+            color,
+            room.samples.data() + begin,
+            room.transmittances.data() + begin + r,
+            room.numbers.data() + begin,
+            room.firsts[r + 1] - begin};
+}
+
 /// Sets the derivatives of the samples of a piece's rays.
 using PieceRule =
     std::function<void(std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to)>;
@@ -353,16 +364,24 @@ void compositeGradient(const CompositeLayout& layout, const CompositeVoxel* voxe
     traceAndSpread(layout, voxels, rays, rule, tape, gradient);
 }
 
+void compositeSamples(const CompositeLayout& layout, const CompositeVoxel* voxels,
+                      const std::vector<CompositeRay>& rays, const SampleVisitor& visit) {
+    parallelFor((rays.size() + kRaysTogether - 1) / kRaysTogether, [&](std::size_t piece) {
+        thread_local SampleRoom room;
+        const std::size_t first = piece * kRaysTogether, count = std::min(kRaysTogether, rays.size() - first);
+        RayColor colors[kRaysTogether];
+        HWY_DYNAMIC_DISPATCH(compositeDispatched)
+        (layout, voxels, rays.data() + first, count, room, {}, colors);
+        for (std::size_t r = 0; r < count; ++r) visit(first + r, samplesOf(room, r, rays[first + r], colors[r]));
+    });
+}
+
 void compositeSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
                      const SampleRule& rule, CompositeTape& tape, CompositeVoxel* sums) {
     const auto each = [&](std::size_t first, std::size_t count, const SampleRoom& room, CompositeTape::Piece& to) {
-        for (std::size_t r = 0; r < count; ++r) {
-            const std::size_t begin = room.firsts[r];
-            rule(first + r,
-                 {rays[first + r], tape.colors[first + r], room.samples.data() + begin,
-                  room.transmittances.data() + begin + r, room.numbers.data() + begin, room.firsts[r + 1] - begin},
-                 to.derivatives.data() + begin);
-        }
+        for (std::size_t r = 0; r < count; ++r)
+            rule(first + r, samplesOf(room, r, rays[first + r], tape.colors[first + r]),
+                 to.derivatives.data() + room.firsts[r]);
     };
     traceAndSpread(layout, voxels, rays, each, tape, sums);
 }

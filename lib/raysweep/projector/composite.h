@@ -92,6 +92,13 @@ struct RaySamples {
     std::size_t count;
 };
 
+/// Is shown the samples of ray `ray`. Called from several threads.
+using SampleVisitor = std::function<void(std::size_t ray, const RaySamples& samples)>;
+
+/// Shows what rays meet; any order.
+void compositeSamples(const CompositeLayout& layout, const CompositeVoxel* voxels,
+                      const std::vector<CompositeRay>& rays, const SampleVisitor& visit);
+
 /// Sets `values` of the samples of ray `ray`. Called from several threads.
 using SampleRule = std::function<void(std::size_t ray, const RaySamples& samples, CompositeVoxel* values)>;
 
