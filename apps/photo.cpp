@@ -67,7 +67,7 @@ void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
     if (!a.method.empty()) return;
     const bool lit = a.findLight || a.shading.diffuse > 0;
     const bool parallel = sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
-    a.method = parallel || lit ? "consistent" : "fit";
+    a.method = (parallel || lit) && a.sh == 0 ? "consistent" : "fit";
     detail(a.common, "method " + a.method);
 }
 
@@ -80,6 +80,7 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
     if (a.relaxation) options.relaxation = *a.relaxation;
     options.fit.smoothExtinction *= a.smooth.value_or(1);
     options.fit.smoothColor *= a.smooth.value_or(1);
+    options.fit.sh = a.sh;
     options.light = {a.shading, !a.lampStands};
     options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
     options.findLight = a.findLight;
@@ -126,6 +127,9 @@ Judgement judgeAll(const PhotoArguments& a, const PhotographSets& sets, const Co
     judgement.standingOut = viewsStandingOut(judgement.used.views);
     judgement.heldOut = judgeSet(sets.heldOut, "held_out");
     if (judgement.heldOut.complete) judgement.test = judgeSet(sets.test, "test");
+    if (!volume.directional.constant || !judgement.test.complete) return judgement;
+    options.colors = [&](const PhotoCamera& camera) { return colorSeenFrom(volume.directional, camera); };
+    judgement.directional = judge(volume, sets.heldOut.views, options, {}, progress.callback());
     return judgement;
 }
 
@@ -187,6 +191,7 @@ void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
     tell(judgement.used, "views that were used: ");
     tell(judgement.heldOut, "views held out: ");
     tell(judgement.test, "test views: ");
+    tell(judgement.directional, "views held out, in colours of their directions: ");
 }
 
 bool isInterrupted(const PhotoReconstruction& result) {
@@ -194,7 +199,8 @@ bool isInterrupted(const PhotoReconstruction& result) {
 }
 
 bool isComplete(const Judgement& judgement) {
-    return judgement.used.complete && judgement.heldOut.complete && judgement.test.complete;
+    return judgement.used.complete && judgement.heldOut.complete && judgement.test.complete &&
+           judgement.directional.complete;
 }
 
 /// Reads, reconstructs and writes the volume. @return false if it was stopped before there was anything to write
@@ -237,6 +243,7 @@ int run(PhotoArguments& a) {
     }
     const PhotoReconstruction& result = outcome.result;
     ColorVolume volume{result.density, result.color};
+    volume.directional = result.directional;
     bool stopped = isInterrupted(result);
     if (a.confidence && !stopped) stopped = !addConfidence(a, outcome, volume);
     write(a, outcome.sets, volume);

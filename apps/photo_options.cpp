@@ -73,6 +73,13 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--relaxation", a.relaxation, "consistent, paper: part of each correction that is made");
     app.add_option("--smooth", a.smooth,
                    "fit: factor of the total variation that is kept small; less for many clean pictures (default: 1)");
+    app.add_option(
+           "--sh", a.sh,
+           "fit: degree of the spherical harmonics that colours have of the direction they are seen from; 1 adds "
+           "grids Cd_0, Cd_x, Cd_y, Cd_z, and Cd is a mean")
+        ->check(CLI::IsMember({0, 1}).description(""))
+        ->type_name("0|1")
+        ->capture_default_str();
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
     app.add_option("--diffuse", a.shading.diffuse, "Part of colours that is seen by Lambert's law")
@@ -162,6 +169,7 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
     requireValid(command, [&] { a.shading.validate(); });
     if (a.method == "fit" && (a.light == "auto" || a.shading.diffuse > 0))
         usageError(a.light == "auto" ? "--light" : "--diffuse", "is for --method consistent and paper");
+    if (!a.method.empty() && a.method != "fit" && a.sh > 0) usageError("--sh", "is for --method fit");
     if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";

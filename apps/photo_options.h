@@ -19,7 +19,7 @@ struct PhotoArguments {
     PoseOptions poses;
     PhotographOptions photographs;
     bool mattingGiven = false;  ///< else it is chosen by what the pictures have
-    int size = 0, holdOut = 0;
+    int size = 0, holdOut = 0, sh = 0;
     std::optional<int> iterations;
     std::optional<double> relaxation, ambient, smooth;
     Shading shading;  ///< of the photographs, but for its direction

@@ -70,6 +70,10 @@ void addQuality(Json& json, const Judgement& judgement) {
     json["ssim_train"] = valueOf(judgement.used, &PhotoQuality::ssim);
     json["psnr_held_out"] = meanOf(judgement, &PhotoQuality::psnr);
     json["ssim_held_out"] = meanOf(judgement, &PhotoQuality::ssim);
+    if (!judgement.directional.views.empty()) {
+        json["psnr_held_out_directional"] = judgement.directional.psnr;
+        json["ssim_held_out_directional"] = judgement.directional.ssim;
+    }
     json["views_standing_out"] = Json::array();
     for (const std::size_t n : judgement.standingOut)
         json["views_standing_out"].push_back(judgement.used.views[n].name);

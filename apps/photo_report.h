@@ -19,6 +19,7 @@ namespace raysweep::apps {
 /// Of each set of photographs; without views where nothing was judged.
 struct Judgement {
     PhotoQuality used, heldOut, test;
+    PhotoQuality directional;              ///< the held-out ones in colours of their directions, with --sh 1
     std::vector<std::size_t> standingOut;  ///< of the used ones
 };
 

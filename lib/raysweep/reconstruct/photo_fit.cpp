@@ -8,6 +8,7 @@
 #include "raysweep/core/require.h"
 #include "raysweep/projector/composite.h"
 #include "raysweep/reconstruct/grid_lattice.h"
+#include "raysweep/reconstruct/photo_directional.h"
 #include "raysweep/reconstruct/photo_level.h"
 #include "raysweep/reconstruct/photo_loss.h"
 #include "raysweep/reconstruct/photo_pixels.h"
@@ -43,9 +44,36 @@ std::vector<Photograph> reducedTo(const std::vector<Photograph>& photographs, in
 /// voxels, while views that were held out gain .9.
 constexpr double kWorse = 1.122;
 
-std::vector<std::uint32_t> shuffled(std::vector<std::uint32_t> pixels, std::mt19937& random) {
-    for (std::size_t i = pixels.size(); i > 1; --i) std::swap(pixels[i - 1], pixels[random() % i]);
-    return pixels;
+template <class Item>
+std::vector<Item> shuffled(std::vector<Item> items, std::mt19937& random) {
+    for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random() % i]);
+    return items;
+}
+
+/// Pixels of one update, in the order of a pass.
+struct Piece {
+    std::size_t first, count;
+};
+
+std::vector<Piece> piecesOf(std::size_t first, std::size_t count, std::size_t most) {
+    std::vector<Piece> pieces;
+    for (std::size_t at = 0; at < count; at += most) pieces.push_back({first + at, std::min(most, count - at)});
+    return pieces;
+}
+
+/// Of one view each: sorts the pixels by views. In each view they keep their order.
+std::vector<Piece> piecesByView(const PhotoPixels& pixels, std::vector<std::uint32_t>& order, std::size_t most) {
+    std::vector<Piece> pieces;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return pixels.view(a) < pixels.view(b); });
+    for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+        const int view = pixels.view(order[first]);
+        while (last < order.size() && pixels.view(order[last]) == view) ++last;
+        const std::size_t count = last - first, parts = (count + most - 1) / most;  // of equal size: steps are
+        const std::vector<Piece> some = piecesOf(first, count, (count + parts - 1) / parts);
+        pieces.insert(pieces.end(), some.begin(), some.end());
+    }
+    return pieces;
 }
 
 /// The updates of one level.
@@ -60,18 +88,19 @@ class LevelFit {
           result_(result),
           sets_(pixelsMeeting(pixels, level, options)),
           random_(options.seed),
-          kept_(level.layout.keptVoxels()) {}
+          kept_(level.layout.keptVoxels()) {
+        startPass();
+    }
 
     /// @return false if the callback said stop
     bool run(double passes, const ProgressCallback& progress, double from, double to) {
         const Timer timer;
-        const std::size_t perPass = std::max<std::size_t>(
-            1, (sets_.fitted.size() + options_.raysPerUpdate - 1) / std::size_t(options_.raysPerUpdate));
+        const std::size_t perPass = pieces_.size();
         const int updates = std::max(1, int(std::lround(passes * double(perPass))));
         bool goesOn = true;
         for (int n = 0; n < updates && goesOn; ++n) {
-            if (std::size_t(n) % perPass == 0) order_ = shuffled(sets_.fitted, random_);
-            update(n, double(n) / updates, std::size_t(n) % perPass);
+            if (n > 0 && std::size_t(n) % perPass == 0) startPass();
+            update(n, double(n) / updates, pieces_[std::size_t(n) % perPass]);
             goesOn = report(progress, howItGoes(), from + (to - from) * (n + 1) / updates);
             if (std::size_t(n) % perPass == perPass - 1 || n == updates - 1) addPoint();
         }
@@ -80,18 +109,37 @@ class LevelFit {
     }
 
   private:
-    void update(int number, double done, std::size_t piece) {
-        const std::size_t together = std::size_t(options_.raysPerUpdate), first = piece * together;
-        const std::size_t count = std::min(together, sets_.fitted.size() - first);
-        batch_.set(pixels_, order_.data() + first, count, level_, options_.samplesPerSlice);
+    void startPass() {
+        order_ = shuffled(sets_.fitted, random_);
+        const std::size_t most = std::size_t(options_.raysPerUpdate);
+        pieces_ = directional() ? piecesByView(pixels_, order_, most) : piecesOf(0, order_.size(), most);
+        if (directional()) pieces_ = shuffled(std::move(pieces_), random_);
+        if (pieces_.empty()) pieces_.push_back({0, 0});
+    }
+
+    bool directional() const { return !level_.slopes.empty(); }
+
+    /// The volume as a pixel's view sees it.
+    const CompositeVoxel* shownTo(std::uint32_t pixel) {
+        if (!directional()) return level_.voxels.data();
+        from_ = viewPoint(pixels_.place(pixel).photograph->camera, level_.grid);
+        showVoxels(level_, from_, shown_);
+        return shown_.data();
+    }
+
+    void update(int number, double done, const Piece& piece) {
+        const std::size_t count = piece.count;
+        batch_.set(pixels_, order_.data() + piece.first, count, level_, options_.samplesPerSlice);
+        const CompositeVoxel* voxels = count > 0 ? shownTo(order_[piece.first]) : level_.voxels.data();
         const Backdrops backdrops{float(options_.backdrop), float(options_.backdropSpread)};
         compositeGradient(
-            level_.layout, level_.voxels.data(), batch_.rays,
+            level_.layout, voxels, batch_.rays,
             [&](std::size_t at, std::size_t some, const RayColor* colors, RayColor* derivatives) {
                 for (std::size_t i = 0; i < some; ++i)
                     batch_.errors[at + i] = pixelLoss(batch_.targets[at + i], colors[i], backdrops, derivatives[i]);
             },
             tape_, level_.gradient.data());
+        if (directional()) chainColors(from_, shown_, level_);
         result_.samples += double(tape_.samples);
         error_ += batch_.error();
         seen_ += double(count);
@@ -109,6 +157,8 @@ class LevelFit {
         parallelFor(level_.layout.brickCount() - 1, [&](std::size_t n) {
             smoothBrick(level_.layout, level_.voxels.data(), n + 1, weights, level_.gradient.data() + (n + 1) * 512);
         });
+        if (directional())
+            smoothSlopes({weight * float(options_.smoothSlopes), weight * float(options_.pullSlopes)}, level_);
     }
 
     void step(int number, double done) {
@@ -118,6 +168,11 @@ class LevelFit {
         step.colorRate = float(options_.colorRate * rate);
         step.correction1 = 1 / (1 - std::pow(step.decay1, float(number + 1)));
         step.correction2 = 1 / (1 - std::pow(step.decay2, float(number + 1)));
+        if (directional()) {
+            AdamStep slopes = step;
+            slopes.colorRate = float(options_.slopeRate * rate);
+            stepSlopes(slopes, level_);
+        }
         parallelFor(level_.layout.brickCount() - 1, [&](std::size_t n) {
             const std::size_t first = (n + 1) * 512;
             stepBrick(level_.voxels.data() + first, level_.gradient.data() + first, level_.moments.data() + first,
@@ -132,14 +187,20 @@ class LevelFit {
 
     double leftOutError() {
         if (sets_.leftOut.empty()) return std::numeric_limits<double>::quiet_NaN();
-        batch_.set(pixels_, sets_.leftOut.data(), sets_.leftOut.size(), level_, options_.samplesPerSlice);
-        std::vector<RayColor> colors(batch_.rays.size());
-        composite(level_.layout, level_.voxels.data(), batch_.rays.data(), batch_.rays.size(), colors.data());
-        for (std::size_t i = 0; i < colors.size(); ++i) {
-            RayColor unused;
-            batch_.errors[i] = pixelLoss(batch_.targets[i], colors[i], {}, unused);
+        std::vector<std::uint32_t> pixels = sets_.leftOut;
+        const std::size_t all = pixels.size();
+        double squares = 0;
+        for (const Piece& piece : directional() ? piecesByView(pixels_, pixels, all) : piecesOf(0, all, all)) {
+            batch_.set(pixels_, pixels.data() + piece.first, piece.count, level_, options_.samplesPerSlice);
+            std::vector<RayColor> colors(piece.count);
+            composite(level_.layout, shownTo(pixels[piece.first]), batch_.rays.data(), piece.count, colors.data());
+            for (std::size_t i = 0; i < colors.size(); ++i) {
+                RayColor unused;
+                batch_.errors[i] = pixelLoss(batch_.targets[i], colors[i], {}, unused);
+            }
+            squares += batch_.error();
         }
-        return rms(batch_.error(), double(colors.size()));
+        return rms(squares, double(all));
     }
 
     void addPoint() {
@@ -162,14 +223,18 @@ class LevelFit {
     PhotoReconstruction& result_;
     PixelSets sets_;
     std::vector<std::uint32_t> order_;  ///< of the fitted pixels in this pass
+    std::vector<Piece> pieces_;         ///< of them
     std::mt19937 random_;
+    ViewPoint from_;
+    std::vector<CompositeVoxel> shown_;  ///< to the rays from there, where colours depend on the direction
     std::size_t kept_;
     PhotoBatch batch_;
     CompositeTape tape_;
     double error_ = 0, seen_ = 0;  ///< since the last point of the history
 };
 
-void addGrids(const PhotoLevel& level, PhotoReconstruction& result) {
+/// @param colors of the level's voxels
+void addGrids(const PhotoLevel& level, const std::vector<CompositeVoxel>& colors, PhotoReconstruction& result) {
     const auto transform = level.grid.transform();
     result.density = openvdb::FloatGrid::create(0);
     result.density->setName("density");
@@ -184,13 +249,34 @@ void addGrids(const PhotoLevel& level, PhotoReconstruction& result) {
             const Index3 within(i >> 6, i >> 3 & 7, i & 7), at = level.layout.origins[b] + within;
             if (!isSet(level.layout.masks[b], within.x, within.y, within.z)) continue;
             const std::size_t n = b * 512 + std::size_t(i);
-            const CompositeVoxel& voxel = level.voxels[n];
+            const CompositeVoxel& voxel = colors[n];
             const openvdb::Coord place(at.x, at.y, at.z);
             if (level.isSolid(n)) toDensity.setValue(place, float(voxel.extinction / level.grid.spacing));
             toColor.setValue(place, openvdb::Vec3s(voxel.red, voxel.green, voxel.blue));
         }
     result.opacity = opacityGrid(*result.density);
     result.color = extendedColor(*color, *result.density);
+}
+
+/// The coefficients of colours that depend on the direction.
+void addDirectional(const PhotoLevel& level, PhotoReconstruction& result) {
+    const auto gridOf = [&](const char* name, const auto& colorAt) {
+        const auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
+        grid->setTransform(level.grid.transform());
+        auto to = grid->getAccessor();
+        for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
+            const openvdb::Coord at = voxel.getCoord();
+            to.setValue(at, openvdb::Vec3s(colorAt(level.layout.voxel(Index3(at.x(), at.y(), at.z())))));
+        }
+        const auto extended = extendedColor(*grid, *result.density);
+        extended->setName(name);
+        return extended;
+    };
+    result.directional.constant = gridOf("Cd_0", [&](std::size_t i) { return &level.voxels[i].red; });
+    const char* const names[] = {"Cd_x", "Cd_y", "Cd_z"};
+    openvdb::Vec3SGrid::Ptr* const grids[] = {&result.directional.x, &result.directional.y, &result.directional.z};
+    for (int axis = 0; axis < 3; ++axis)
+        *grids[axis] = gridOf(names[axis], [&](std::size_t i) { return level.slopes[i].of[axis]; });
 }
 
 }  // namespace
@@ -210,6 +296,11 @@ void PhotoFitOptions::validate() const {
     requireField(smoothExtinction >= 0 && std::isfinite(smoothExtinction), "smoothExtinction", smoothExtinction,
                  "0 or more, and finite");
     requireField(smoothColor >= 0 && std::isfinite(smoothColor), "smoothColor", smoothColor, "0 or more, and finite");
+    requireField(sh == 0 || sh == 1, "sh", sh, "0 or 1");
+    requireField(slopeRate > 0 && std::isfinite(slopeRate), "slopeRate", slopeRate, "above 0");
+    requireField(smoothSlopes >= 0 && std::isfinite(smoothSlopes), "smoothSlopes", smoothSlopes,
+                 "0 or more, and finite");
+    requireField(pullSlopes >= 0 && std::isfinite(pullSlopes), "pullSlopes", pullSlopes, "0 or more, and finite");
     requireField(sparsity >= 0 && std::isfinite(sparsity), "sparsity", sparsity, "0 or more, and finite");
     requireField(backdrop >= 0 && backdrop <= 1, "backdrop", backdrop, "in [0,1]");
     requireField(backdropSpread > 0 && backdropSpread <= 1, "backdropSpread", backdropSpread, "in (0,1]");
@@ -236,9 +327,11 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
         const ReconstructionGrid grid = photoGrid(box, std::max(8, options.resolution >> (finest - n)));
         level.gradient = std::vector<CompositeVoxel>();
         level.moments = std::vector<AdamMoments>();
+        level.slopeGradient = std::vector<ColorSlopes>();
+        level.slopeMoments = std::vector<SlopeMoments>();
         coarser = std::move(level);
-        level =
-            n == 0 ? firstLevel(pictures, grid, hull) : finerLevel(coarser, pictures, grid, hull, float(options.prune));
+        level = n == 0 ? firstLevel(pictures, grid, hull, finest, options.sh > 0)
+                       : finerLevel(coarser, pictures, grid, hull, float(options.prune));
         const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
         if (!LevelFit(level, pixels, options, timer, result).run(passes, progress, done / all, (done + passes) / all)) {
@@ -254,7 +347,8 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     }
     result.keptVoxels = level.layout.keptVoxels();
     result.resolution = level.grid.resolution();
-    addGrids(level, result);
+    addGrids(level, level.slopes.empty() ? level.voxels : meanColors(pictures, level), result);
+    if (!level.slopes.empty()) addDirectional(level, result);
     if (reference && !result.history.empty() && shiftTo(*reference->density, level.grid))
         PhotoReference(*reference, level.grid, level.layout)
             .compare([&](std::size_t i) { return matterOf(level.voxels[i]); }, result.history.back());

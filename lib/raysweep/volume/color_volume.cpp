@@ -67,6 +67,9 @@ openvdb::GridPtrVec gridsOf(const ColorVolume& volume) {
     openvdb::GridPtrVec grids{volume.density, opacityGrid(*volume.density), volume.color};
     for (const FloatGrid::Ptr& seen : {volume.confidence, volume.views})
         if (seen) grids.push_back(seen);
+    const DirectionalColor& directional = volume.directional;
+    if (directional.constant)
+        grids.insert(grids.end(), {directional.constant, directional.x, directional.y, directional.z});
     return grids;
 }
 
