@@ -24,6 +24,7 @@ constexpr Hint kHints[] = {
     {Remedy::giveExtinction, "render", "; give --extinction"},
     {Remedy::giveExtinction, "shoot", "; give --extinction"},
     {Remedy::giveGrid, "ct", "; give --size and --spacing"},
+    {Remedy::giveGrid, "photo", ": --size, --bounds"},
     {Remedy::giveSpacing, "import", "; if only the spacing is wrong, give --spacing X,Y,Z"},
     {Remedy::isNoLevelSet, "light", "; leave out --from-level-set"},
     {Remedy::isVolumeAlready, "import", "; 'raysweep light' takes it as it is"},

@@ -68,7 +68,7 @@ void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
     const bool lit = a.findLight || a.shading.diffuse > 0;
     const bool parallel =
         !a.refinePoses && sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
-    a.method = parallel || lit ? "consistent" : "fit";
+    a.method = (parallel || lit) && a.sh == 0 ? "consistent" : "fit";
     detail(a.common, "method " + a.method);
 }
 
@@ -84,6 +84,7 @@ PhotoOptions optionsFor(const PhotoArguments& a, const PhotographSets& sets) {
         options.fit.adaptSmoothness = false;
     }
     options.fit.refinePoses = a.refinePoses;
+    options.fit.sh = a.sh;
     options.light = {a.shading, !a.lampStands};
     options.light.shading.light = a.lightInWorld.value_or(sets.used.views.front().camera.forward);
     options.findLight = a.findLight;
@@ -131,6 +132,9 @@ Judgement judgeAll(const PhotoArguments& a, const PhotographSets& sets, const Co
     judgement.standingOut = viewsStandingOut(judgement.used.views);
     judgement.heldOut = judgeSet(sets.heldOut, "held_out");
     if (judgement.heldOut.complete) judgement.test = judgeSet(sets.test, "test");
+    if (!volume.directional.constant || !judgement.test.complete) return judgement;
+    options.colors = [&](const PhotoCamera& camera) { return colorSeenFrom(volume.directional, camera); };
+    judgement.directional = judge(volume, sets.heldOut.views, options, {}, progress.callback());
     return judgement;
 }
 
@@ -218,6 +222,7 @@ void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
     tell(judgement.used, "views that were used: ");
     tell(judgement.heldOut, "views held out: ");
     tell(judgement.test, "test views: ");
+    tell(judgement.directional, "views held out, in colours of their directions: ");
 }
 
 bool isInterrupted(const PhotoReconstruction& result) {
@@ -225,7 +230,8 @@ bool isInterrupted(const PhotoReconstruction& result) {
 }
 
 bool isComplete(const Judgement& judgement) {
-    return judgement.used.complete && judgement.heldOut.complete && judgement.test.complete;
+    return judgement.used.complete && judgement.heldOut.complete && judgement.test.complete &&
+           judgement.directional.complete;
 }
 
 /// Reads, reconstructs and writes the volume. @return false if it was stopped before there was anything to write
@@ -245,6 +251,17 @@ bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
     return !(isInterrupted(outcome.result) && outcome.result.density->empty());
 }
 
+/// Looks what photographs see. @return false if it was stopped
+bool addConfidence(const PhotoArguments& a, PhotoOutcome& outcome, ColorVolume& volume) {
+    const Timer timer;
+    TerminalProgress progress(a.common);
+    outcome.confidence = photoConfidence(*volume.density, outcome.sets.used.views, {}, progress.callback());
+    volume.confidence = outcome.confidence.confidence;
+    volume.views = outcome.confidence.views;
+    outcome.confidenceSeconds = timer.seconds();
+    return volume.confidence != nullptr;
+}
+
 int run(PhotoArguments& a) {
     const ThreadLimit limit = start(a.common);
     requireOutputs(a);
@@ -258,9 +275,11 @@ int run(PhotoArguments& a) {
         return kInterrupted;
     }
     const PhotoReconstruction& result = outcome.result;
-    const ColorVolume volume{result.density, result.color, nullptr};
+    ColorVolume volume{result.density, result.color};
+    volume.directional = result.directional;
+    bool stopped = isInterrupted(result);
+    if (a.confidence && !stopped) stopped = !addConfidence(a, outcome, volume);
     write(a, outcome.sets, volume);
-    const bool stopped = isInterrupted(result);
     if (stopped) message(a.common, "stopped; '" + a.output + "' holds the volume so far");
     if (!stopped) outcome.judgement = judgeAll(a, outcome.sets, volume, shading);
     comment(a, outcome);

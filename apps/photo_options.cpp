@@ -77,6 +77,13 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
         ->type_name("W");
     app.add_flag("--refine-poses", a.refinePoses,
                  "fit: move cameras whose poses are wrong to where their pictures fit the others'");
+    app.add_option(
+           "--sh", a.sh,
+           "fit: degree of the spherical harmonics that colours have of the direction they are seen from; 1 adds "
+           "grids Cd_0, Cd_x, Cd_y, Cd_z, and Cd is a mean")
+        ->check(CLI::IsMember({0, 1}).description(""))
+        ->type_name("0|1")
+        ->capture_default_str();
     app.add_option("--ambient", a.ambient,
                    "Part of colours that is seen whatever the light (default: 1 - diffuse), to take light out of Cd");
     app.add_option("--diffuse", a.shading.diffuse, "Part of colours that is seen by Lambert's law")
@@ -91,6 +98,8 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
     app.add_option("--size", a.size,
                    "Voxels along the longest edge of the box, a multiple of 8 (default: 256 for fit, else 128)")
         ->type_name("N");
+    app.add_flag("--confidence", a.confidence,
+                 "Write how well photographs have seen each voxel, too: grids confidence and views");
     app.add_flag("--half", a.half, "Save as half floats");
 }
 
@@ -172,6 +181,7 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
         usageError(a.light == "auto" ? "--light" : "--diffuse", "is for --method consistent and paper");
     if (a.refinePoses && ((!a.method.empty() && a.method != "fit") || a.light == "auto" || a.shading.diffuse > 0))
         usageError("--refine-poses", "is for --method fit");
+    if (!a.method.empty() && a.method != "fit" && a.sh > 0) usageError("--sh", "is for --method fit");
     if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";

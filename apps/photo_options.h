@@ -19,13 +19,13 @@ struct PhotoArguments {
     PoseOptions poses;
     PhotographOptions photographs;
     bool mattingGiven = false;  ///< else it is chosen by what the pictures have
-    int size = 0, holdOut = 0, historyEvery = 0;
+    int size = 0, holdOut = 0, historyEvery = 0, sh = 0;
     std::optional<int> iterations;
     std::optional<double> relaxation, ambient, smooth;
     Shading shading;  ///< of the photographs, but for its direction
     std::optional<Box3> box;
     std::optional<Vec3> lightInWorld;  ///< in the first view
-    bool findLight = false, lampStands = false, half = false, refinePoses = false;
+    bool findLight = false, lampStands = false, half = false, refinePoses = false, confidence = false;
     double backdrop = 1;
 };
 

@@ -1,6 +1,8 @@
 #include "photo_report.h"
 #include "plot.h"
 
+#include "raysweep/volume/active_values.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -70,6 +72,10 @@ void addQuality(Json& json, const Judgement& judgement) {
     json["ssim_train"] = valueOf(judgement.used, &PhotoQuality::ssim);
     json["psnr_held_out"] = meanOf(judgement, &PhotoQuality::psnr);
     json["ssim_held_out"] = meanOf(judgement, &PhotoQuality::ssim);
+    if (!judgement.directional.views.empty()) {
+        json["psnr_held_out_directional"] = judgement.directional.psnr;
+        json["ssim_held_out_directional"] = judgement.directional.ssim;
+    }
     json["views_standing_out"] = Json::array();
     for (const std::size_t n : judgement.standingOut)
         json["views_standing_out"].push_back(judgement.used.views[n].name);
@@ -85,6 +91,13 @@ void addHistory(Json& json, const PhotoReconstruction& result, bool compared) {
     if (!compared) return;
     json["rms_opacity_history"] = historyOf(result, &PhotoPoint::opacity);
     json["rms_color_history"] = historyOf(result, &PhotoPoint::color);
+}
+
+/// Voxels that a photograph sees.
+std::size_t countOf(const openvdb::FloatGrid& views) {
+    return sumOverActive<std::size_t>(views, [](std::size_t& count, float seen, const openvdb::CoordBBox& box) {
+        if (seen > 0) count += std::size_t(box.volume());
+    });
 }
 
 void addLight(Json& json, const PhotoReconstruction& result) {
@@ -152,11 +165,13 @@ nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& out
     json["spacing"] = result.density->voxelSize().x();
     json["voxels_active"] = result.density->activeVoxelCount();
     json["voxels_kept"] = result.keptVoxels;
+    if (outcome.confidence.views) json["voxels_seen"] = countOf(*outcome.confidence.views);
     json["bounds"] = bounds.isEmpty() ? Json(nullptr) : Json{listOf(bounds.min), listOf(bounds.max)};
     json["timings"] = {{"read", sets.seconds},
                        {"prepare", result.timings.prepared},
                        {"light", result.timings.light},
                        {"updates", result.timings.updates},
+                       {"confidence", outcome.confidenceSeconds},
                        {"compare", outcome.judgement.used.seconds + outcome.judgement.heldOut.seconds +
                                        outcome.judgement.test.seconds}};
     addLight(json, result);

@@ -5,6 +5,7 @@
 
 #include "raysweep/camera/photograph_sets.h"
 #include "raysweep/reconstruct/photo.h"
+#include "raysweep/reconstruct/photo_confidence.h"
 #include "raysweep/render/photo_quality.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,12 +19,15 @@ namespace raysweep::apps {
 /// Of each set of photographs; without views where nothing was judged.
 struct Judgement {
     PhotoQuality used, heldOut, test;
+    PhotoQuality directional;              ///< the held-out ones in colours of their directions, with --sh 1
     std::vector<std::size_t> standingOut;  ///< of the used ones
 };
 
 struct PhotoOutcome {
     PhotographSets sets;
     PhotoReconstruction result;
+    PhotoConfidence confidence;  ///< where it was asked for
+    double confidenceSeconds = 0;
     Judgement judgement;
     std::vector<std::string> warnings;
     double seconds = 0;

@@ -37,6 +37,7 @@
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/reconstruct/photo.h"
+#include "raysweep/reconstruct/photo_confidence.h"
 #include "raysweep/reconstruct/reconstruct.h"
 #include "raysweep/reconstruct/sart.h"
 #include "raysweep/render/lit_volume.h"

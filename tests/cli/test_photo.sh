@@ -64,6 +64,26 @@ expect_json lit.json "min(r['mean'][:3]) > 0 and len(set(r['mean'][:3])) == 3"
 photo views -o half.vdb "${small[@]}" --method fit --hold-out 4 --half
 expect_exit 0 "$raysweep" compare half.vdb fit.vdb --max-rms 0.01
 
+
+# How well voxels were seen: two more grids, the others as they are.
+photo views -o seen.vdb "${small[@]}" --method fit --hold-out 4 --confidence
+expect_json report.json "0 < r['voxels_seen'] <= r['voxels_active'] and r['timings']['confidence'] > 0"
+same seen.vdb fit.vdb
+expect_exit 0 "$raysweep" info seen.vdb --json
+cp .out info.json
+expect_json info.json "[g['name'] for g in r['grids']] == ['density', 'opacity', 'Cd', 'confidence', 'views']"
+expect_json info.json "0 < r['grids'][3]['max'][0] <= 1 and 1 <= r['grids'][4]['max'][0] <= 9 and r['grids'][4]['active_voxels'] == r['grids'][0]['active_voxels']"
+expect_exit 0 "$raysweep" render seen.vdb -o view.png --size 32,32
+expect_exit 0 "$raysweep" light seen.vdb -o lit.vdb --albedo grid:Cd --sun 0,1,-1,3 --tolerance 0.1 --quiet
+
+# Colours by direction: four more grids, and what they reach.
+photo views -o directional.vdb "${small[@]}" --method fit --hold-out 4 --sh 1
+expect_json report.json "r['psnr_held_out_directional'] > 30 and r['psnr_held_out'] > 30"
+expect_exit 0 "$raysweep" info directional.vdb --json
+cp .out info.json
+expect_json info.json "[g['name'] for g in r['grids']] == ['density', 'opacity', 'Cd', 'Cd_0', 'Cd_x', 'Cd_y', 'Cd_z']"
+expect_exit 0 "$raysweep" render directional.vdb -o view.png --size 32,32
+
 # The rest of the report's neighbours: other views, pictures of them, mattes, a curve.
 photo views -o vol.vdb "${small[@]}" --iterations 1 --test others/transforms.json --hold-out 6 --compare-views compared --save-mattes mattes --plot plot.svg
 expect_json report.json "r['views_test'] == 3 and r['views_held_out'] == 2 and [v['set'] for v in r['view_list']] == ['train'] * 10 + ['held-out'] * 2 + ['test'] * 3"
@@ -238,6 +258,8 @@ usage "--method" views -o vol.vdb --method art
 usage "--axes" views -o vol.vdb --axes maya
 usage "--light: needs --diffuse" views -o vol.vdb --light 0,0,-1
 usage "--diffuse: is for --method consistent and paper" views -o vol.vdb --method fit --diffuse 0.5
+usage "--sh: is for --method fit" views -o vol.vdb --method paper --sh 1
+usage "--sh" views -o vol.vdb --sh 2
 usage "--relaxation: is for --method" views -o vol.vdb --method fit --relaxation 0.5
 usage "--refine-poses: is for --method fit" views -o vol.vdb --method paper --refine-poses
 usage "--refine-poses: is for --method fit" views -o vol.vdb --diffuse 0.5 --refine-poses

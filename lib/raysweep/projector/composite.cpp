@@ -375,6 +375,16 @@ void spread(const CompositeLayout& layout, const std::vector<CompositeRay>& rays
 
 /// Sets the shares of a piece's samples, and what its rays share.
 using PieceRule = std::function<void(std::size_t first, std::size_t count, SampleRoom& room, RayColor* shared)>;
+/// Those of ray `r` of a piece.
+RaySamples samplesOf(const SampleRoom& room, std::size_t r, const CompositeRay& ray, const RayColor& color) {
+    const std::size_t begin = room.firsts[r];
+    return {ray,
+            color,
+            room.samples.data() + begin,
+            room.transmittances.data() + begin + r,
+            room.numbers.data() + begin,
+            room.firsts[r + 1] - begin};
+}
 
 /// All rays forth, and what `rule` makes of their samples back.
 void traceAndSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
@@ -428,16 +438,25 @@ void compositeGradient(const CompositeLayout& layout, const CompositeVoxel* voxe
     traceAndSpread(layout, voxels, rays, rule, tape, gradient);
 }
 
+void compositeSamples(const CompositeLayout& layout, const CompositeVoxel* voxels,
+                      const std::vector<CompositeRay>& rays, const SampleVisitor& visit) {
+    parallelFor((rays.size() + kRaysTogether - 1) / kRaysTogether, [&](std::size_t piece) {
+        thread_local SampleRoom room;
+        const std::size_t first = piece * kRaysTogether, count = std::min(kRaysTogether, rays.size() - first);
+        RayColor colors[kRaysTogether];
+        HWY_DYNAMIC_DISPATCH(compositeDispatched)
+        (layout, voxels, rays.data() + first, count, room, colors);
+        for (std::size_t r = 0; r < count; ++r) visit(first + r, samplesOf(room, r, rays[first + r], colors[r]));
+    });
+}
+
 void compositeSpread(const CompositeLayout& layout, const CompositeVoxel* voxels, const std::vector<CompositeRay>& rays,
                      const SampleRule& rule, CompositeTape& tape, CompositeVoxel* sums) {
     const auto each = [&](std::size_t first, std::size_t count, SampleRoom& room, RayColor* shared) {
         for (std::size_t r = 0; r < count; ++r) {
-            const std::size_t begin = room.firsts[r];
             const std::array<float, 3> color =
-                rule(first + r,
-                     {rays[first + r], tape.colors[first + r], room.samples.data() + begin,
-                      room.transmittances.data() + begin + r, room.numbers.data() + begin, room.firsts[r + 1] - begin},
-                     room.shares.data() + begin);
+                rule(first + r, samplesOf(room, r, rays[first + r], tape.colors[first + r]),
+                     room.shares.data() + room.firsts[r]);
             shared[r] = {0, color[0], color[1], color[2]};
         }
     };

@@ -105,6 +105,13 @@ struct RaySamples {
     std::size_t count;
 };
 
+/// Is shown the samples of ray `ray`. Called from several threads.
+using SampleVisitor = std::function<void(std::size_t ray, const RaySamples& samples)>;
+
+/// Shows what rays meet; any order.
+void compositeSamples(const CompositeLayout& layout, const CompositeVoxel* voxels,
+                      const std::vector<CompositeRay>& rays, const SampleVisitor& visit);
+
 /// Sets the shares of the samples of ray `ray`. Called from several threads.
 /// @return red, green and blue that they have parts of
 using SampleRule = std::function<std::array<float, 3>(std::size_t ray, const RaySamples& samples, SampleShare* shares)>;

@@ -4,6 +4,9 @@
 /// others, "Plenoxels: Radiance Fields without Neural Networks", CVPR 2022, do, but mixed in linear light, as renderers
 /// mix volumes.
 ///
+/// With colours that depend on the direction each update has rays of one photograph (photo_directional.h); `color` is
+/// then the mean of what the photographs see of a voxel, weighed by how much that is of what they see.
+///
 /// Colours are compared as displays encode them and as pictures with alpha are put on a backdrop: with straight colour
 /// C / α and α = 1 - T, P = encode(C / α) α. Before every backdrop b of equal right, the mean of the squared difference
 /// of P + (1 - α) b is
@@ -36,6 +39,11 @@ struct PhotoFitOptions {
     double lastRate = 0.1;             ///< part of the rates that is left at the end of a grid, in (0,1]
     double smoothness = 3e-3;          ///< weight of the total variation of extinction and of colour, >= 0
     bool adaptSmoothness = true;       ///< that is where it begins; then it follows from the pixels that are left out
+    int sh = 0;                        ///< degree of the spherical harmonics that colours have of the direction from
+                                       ///< which they are seen (volume/directional_color.h): 0 (none) or 1
+    double slopeRate = 0.01;           ///< first step of their coefficients, as differences of roots of colours, > 0
+    double smoothSlopes = 3e-2;        ///< weight of the coefficients' total variation, >= 0
+    double pullSlopes = 3e-2;          ///< weight of what pulls them to 0, >= 0
     double sparsity = 1e-3;            ///< weight of log(1 + 2 extinction²), >= 0
     double backdrop = 0.5;             ///< mean of the backdrops that pictures are compared on, in [0,1]
     double backdropSpread = 1.0 / 12;  ///< their variance, > 0
@@ -51,12 +59,12 @@ struct PhotoFitOptions {
     void validate() const;
 };
 
-/// Memory: 64 bytes for each voxel of a brick of the hull, and the pictures at `pictureSize`. The same bits for any
-/// number of threads.
+/// Memory: 64 bytes for each voxel of a brick of the hull, 224 if colours depend on the direction, and the pictures at
+/// `pictureSize`. The same bits for any number of threads.
 /// @param reference of which the last point of the history tells the RMS difference, if the grid that is reached has
 /// its voxels; may be null
 /// @throw InvalidArgument for options out of bounds, photographs without alpha, cameras of other sizes than their
-/// pictures, and photographs that show nothing.
+/// pictures, photographs that show nothing, and a volume that will not have room in memory.
 PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, const PhotoFitOptions& options,
                                    const ColorVolume* reference = nullptr, const ProgressCallback& progress = {});
 

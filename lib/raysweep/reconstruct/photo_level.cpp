@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/reconstruct/photo_hull.h"
+#include "raysweep/reconstruct/photo_room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,9 @@ class Interpolated {
   public:
     explicit Interpolated(const PhotoLevel& level) : level_(level) {}
 
+    /// @param slopes of the colour, which are set if there are any; may be null
     /// @return colour of what is kept; extinction; and in `most` the largest extinction of the voxels around
-    CompositeVoxel at(const Vec3& world, float& most) const {
+    CompositeVoxel at(const Vec3& world, float& most, ColorSlopes* slopes = nullptr) const {
         const Vec3 place = (world - level_.grid.voxel(0, 0, 0)) / level_.grid.spacing;
         CompositeVoxel sum;
         float colors = 0;
@@ -42,12 +44,16 @@ class Interpolated {
             sum.green += weight * v.green;
             sum.blue += weight * v.blue;
             colors += weight;
+            if (slopes)
+                for (int n = 0; n < 9; ++n) slopes->of[n / 3][n % 3] += weight * level_.slopes[i].of[n / 3][n % 3];
             most = std::max(most, v.extinction);
         }
         if (colors > 0) {
             sum.red /= colors;
             sum.green /= colors;
             sum.blue /= colors;
+            if (slopes)
+                for (int n = 0; n < 9; ++n) slopes->of[n / 3][n % 3] /= colors;
         }
         return sum;
     }
@@ -69,8 +75,17 @@ void forKept(const PhotoLevel& level, const Body& body) {
     });
 }
 
+/// What is left at the end of the voxels that `finer` levels make of these: at the least a surface, which grows by four
+/// from level to level. So that a fit that cannot end is not begun.
+void requireRoomForFiner(const std::vector<MaskedBrick>& solid, int finer, bool directional) {
+    std::size_t voxels = 0;
+    for (const MaskedBrick& brick : solid)
+        for (const std::uint64_t word : brick.mask) voxels += std::size_t(__builtin_popcountll(word));
+    requireRoom(std::pow(4.0, finer) * double(voxels), PhotoLevel::bytesPerVoxel(directional));
+}
+
 /// A level with these voxels, all 0.
-PhotoLevel emptyLevel(const ReconstructionGrid& grid, const std::vector<MaskedBrick>& solid) {
+PhotoLevel emptyLevel(const ReconstructionGrid& grid, const std::vector<MaskedBrick>& solid, bool directional) {
     PhotoLevel level;
     level.grid = grid;
     level.layout = compositeLayout(grid.dims, withNeighbours(solid, grid.dims), solid);
@@ -78,16 +93,25 @@ PhotoLevel emptyLevel(const ReconstructionGrid& grid, const std::vector<MaskedBr
     for (const MaskedBrick& brick : solid)
         if (brick.mask != VoxelMask{}) level.solid[level.layout.voxel(brick.origin) / 512] = brick.mask;
 
+    requireRoom(double(level.layout.voxelCount()), PhotoLevel::bytesPerVoxel(directional));
     level.voxels.assign(level.layout.voxelCount(), {});
     level.gradient.assign(level.layout.voxelCount(), {});
     level.moments.assign(level.layout.voxelCount(), {});
+    if (directional) {
+        level.slopes.assign(level.layout.voxelCount(), {});
+        level.slopeGradient.assign(level.layout.voxelCount(), {});
+        level.slopeMoments.assign(level.layout.voxelCount(), {});
+    }
     return level;
 }
 
 }  // namespace
 
-PhotoLevel firstLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid, float hullThreshold) {
-    PhotoLevel level = emptyLevel(grid, photoHull(photographs, grid, hullThreshold));
+PhotoLevel firstLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid, float hullThreshold,
+                      int finer, bool directional) {
+    const std::vector<MaskedBrick> hull = photoHull(photographs, grid, hullThreshold);
+    requireRoomForFiner(hull, finer, directional);
+    PhotoLevel level = emptyLevel(grid, hull, directional);
     if (level.layout.brickCount() == 1)
         throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
     constexpr float kHaze = 0.05f, kGrey = 0.25f;
@@ -110,11 +134,12 @@ PhotoLevel finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& p
             if (most < prune) brick.mask[std::size_t(i >> 6)] &= ~(std::uint64_t(1) << (i & 63));
         }
     });
-    PhotoLevel level = emptyLevel(grid, bricks);
+    const bool directional = !coarse.slopes.empty();
+    PhotoLevel level = emptyLevel(grid, bricks, directional);
     const float finer = float(grid.spacing / coarse.grid.spacing);
     forKept(level, [&](std::size_t i, const Index3& at) {
         float most;
-        level.voxels[i] = from.at(grid.voxel(at.x, at.y, at.z), most);
+        level.voxels[i] = from.at(grid.voxel(at.x, at.y, at.z), most, directional ? &level.slopes[i] : nullptr);
         level.voxels[i].extinction *= level.isSolid(i) ? finer : 0;
     });
     return level;

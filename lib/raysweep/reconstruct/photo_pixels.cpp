@@ -29,11 +29,15 @@ PhotoPixels::PhotoPixels(const std::vector<Photograph>& photographs) : photograp
     count_ = std::uint32_t(total);
 }
 
+int PhotoPixels::view(std::uint32_t pixel) const {
+    return int(std::upper_bound(firsts_.begin(), firsts_.end(), pixel) - firsts_.begin() - 1);
+}
+
 PhotoPixels::Place PhotoPixels::place(std::uint32_t pixel) const {
-    const auto view = std::upper_bound(firsts_.begin(), firsts_.end(), pixel) - firsts_.begin() - 1;
+    const int view = this->view(pixel);
     const Photograph& photograph = photographs_[std::size_t(view)];
     const int number = int(pixel - firsts_[std::size_t(view)]), width = photograph.matte.width;
-    return {&photograph, int(view), number % width, number / width};
+    return {&photograph, view, number % width, number / width};
 }
 
 CompositeRay PhotoPixels::ray(std::uint32_t pixel, const PhotoLevel& level, int perSlice) const {

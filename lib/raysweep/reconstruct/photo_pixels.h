@@ -26,6 +26,7 @@ class PhotoPixels {
         int view, x, y;
     };
     Place place(std::uint32_t pixel) const;
+    int view(std::uint32_t pixel) const;
     CompositeRay ray(std::uint32_t pixel, const PhotoLevel& level, int perSlice) const;
     PixelTarget target(std::uint32_t pixel) const;
 

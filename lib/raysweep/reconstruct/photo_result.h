@@ -3,6 +3,7 @@
 
 #include "raysweep/camera/photo_camera.h"
 #include "raysweep/render/shading.h"
+#include "raysweep/volume/directional_color.h"
 #include "raysweep/volume/grids.h"
 
 #include <cstddef>
@@ -60,6 +61,7 @@ struct PhotoReconstruction {
     openvdb::FloatGrid::Ptr density;  ///< "density", extinction, 1/world unit
     openvdb::FloatGrid::Ptr opacity;  ///< "opacity", of one voxel's edge, in [0,1]
     openvdb::Vec3SGrid::Ptr color;    ///< "Cd", linear light; one voxel further than density
+    DirectionalColor directional;     ///< where it was asked for; `color` is its mean over the photographs
     std::vector<PhotoPoint> history;
     PhotoTermination termination = PhotoTermination::iterations;
     std::optional<PhotoLight> light;  ///< where it was asked for

@@ -7,6 +7,7 @@
 #include "raysweep/core/require.h"
 #include "raysweep/reconstruct/photo_hull.h"
 #include "raysweep/reconstruct/photo_reference.h"
+#include "raysweep/reconstruct/photo_room.h"
 #include "raysweep/reconstruct/photo_rules.h"
 #include "raysweep/reconstruct/photo_step.h"
 #include "raysweep/reconstruct/photo_views.h"
@@ -78,6 +79,13 @@ class PhotoSolver {
           shown_(additive_ || lit_ ? layout.voxelCount() : 0),
           normals_(options_.light.shading.diffuse > 0 ? layout.voxelCount() : 0) {
         step_ = {float(options_.relaxation), kLeastOpacity, kMostExtinction};
+    }
+
+    /// Memory, by the longest of the vectors below.
+    static std::size_t bytesPerVoxel(const PhotoSartOptions& options) {
+        const Shading& shading = options.light.shading;
+        const bool shows = options.form == PhotoForm::paper || shading.diffuse > 0 || shading.ambient != 1;
+        return (shows ? 4 : 3) * sizeof(CompositeVoxel) + (shading.diffuse > 0 ? sizeof(PackedNormal) : 0);
     }
 
     /// Those voxels that are kept.
@@ -295,6 +303,7 @@ PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const 
     if (layout.brickCount() == 1)
         throw InvalidArgument("the photographs show nothing of the grid; check its place, mattes and poses");
     result.keptVoxels = layout.keptVoxels();
+    requireRoom(double(layout.voxelCount()), PhotoSolver::bytesPerVoxel(options));
     std::optional<PhotoReference> known;
     if (volumes.reference) known.emplace(*volumes.reference, grid, layout);
     PhotoSolver solver({pictures, grid, options}, layout, result);

@@ -44,6 +44,10 @@ class LitColors {
     }
 
     const RenderVolume& asSeenBy(const PhotoCamera& camera) {
+        if (options_.colors) {
+            input_.radiosity = options_.colors(camera);
+            ready_ = RenderVolume(input_);
+        }
         if (!goesAlong()) return ready_;
         Shading shading = options_.shading;
         shading.light = carriedAlong(shading.light, *options_.lampBeside, camera);
@@ -106,6 +110,8 @@ void PhotoQualityOptions::validate() const {
     requireField(backdrop >= 0 && backdrop <= 1, "backdrop", backdrop, "in [0,1]");
     shading.validate();
     if (lampBeside) lampBeside->validate();
+    if (colors && (shading.diffuse > 0 || shading.ambient != 1))
+        throw InvalidArgument("colors: those that cameras see are lit already; leave out `shading`");
     picture.validate();
 }
 

@@ -20,7 +20,10 @@ struct PhotoQualityOptions {
     Shading shading;                        ///< of the photographs, in world space
     std::optional<PhotoCamera> lampBeside;  ///< the lamp goes along with the camera, and `shading` is as for this one;
                                             ///< none: it stands still
-    RenderOptions picture;                  ///< sampling; its `background` is not looked at
+    /// Takes the colours that a camera sees in place of the volume's, such as directional ones; none: they are the same
+    /// from all sides. Without `shading`.
+    std::function<openvdb::Vec3SGrid::ConstPtr(const PhotoCamera& camera)> colors;
+    RenderOptions picture;  ///< sampling; its `background` is not looked at
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;

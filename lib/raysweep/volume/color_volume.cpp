@@ -65,7 +65,11 @@ openvdb::GridPtrVec gridsOf(const ColorVolume& volume) {
     volume.color->insertMeta("raysweep_density", openvdb::StringMetadata(volume.density->getName()));
     volume.color->insertMeta("raysweep_extinction", openvdb::DoubleMetadata(1));
     openvdb::GridPtrVec grids{volume.density, opacityGrid(*volume.density), volume.color};
-    if (volume.confidence) grids.push_back(volume.confidence);
+    for (const FloatGrid::Ptr& seen : {volume.confidence, volume.views})
+        if (seen) grids.push_back(seen);
+    const DirectionalColor& directional = volume.directional;
+    if (directional.constant)
+        grids.insert(grids.end(), {directional.constant, directional.x, directional.y, directional.z});
     return grids;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raysweep/core/types.h"
+#include "raysweep/volume/directional_color.h"
 #include "raysweep/volume/vdb_io.h"
 
 namespace raysweep {
@@ -11,8 +12,10 @@ struct ColorVolume {
     openvdb::FloatGrid::Ptr density;  ///< "density": extinction, 1/world unit
     openvdb::Vec3SGrid::Ptr color;    ///< "Cd": linear RGB, not multiplied by opacity; reaches one voxel beyond
                                       ///< `density`, or interpolation mixes edges with black
-    openvdb::FloatGrid::Ptr
-        confidence;  ///< "confidence": how well photographs have seen a voxel, in [0,1]; may be null
+    openvdb::FloatGrid::Ptr confidence = nullptr;  ///< "confidence": how well photographs have seen a voxel, in [0,1];
+                                                   ///< may be null
+    openvdb::FloatGrid::Ptr views = nullptr;       ///< "views": how many photographs have; may be null
+    DirectionalColor directional = {};             ///< of which `color` is a mean; may be empty
 };
 
 /// Opacity of a voxel, 1 - exp(-extinction h), for light that crosses one voxel edge h (units.md): "opacity", active
@@ -23,8 +26,9 @@ openvdb::FloatGrid::Ptr opacityGrid(const openvdb::FloatGrid& density);
 /// of those of the 26 neighbours that are active, weighted by density. Elsewhere inactive and 0.
 openvdb::Vec3SGrid::Ptr extendedColor(const openvdb::Vec3SGrid& color, const openvdb::FloatGrid& density);
 
-/// The grids of a file: density, opacity, Cd, and confidence if there is one. Metadata of Cd say, as those of a lit
-/// file's radiosity, of which grid and of which extinction per unit density (1) it is the colour.
+/// The grids of a file: density, opacity, Cd, and confidence, views and directional colours if there are such. Metadata
+/// of Cd say, as those of a lit file's radiosity, of which grid and of which extinction per unit density (1) it is the
+/// colour.
 openvdb::GridPtrVec gridsOf(const ColorVolume& volume);
 
 /// Sums of squares over all voxels.

@@ -58,8 +58,9 @@ TEST(ColorVolume, GridsSayWhatTheyAre) {
     ColorVolume volume = twoVoxels();
     EXPECT_EQ(gridsOf(volume).size(), 3u);
     volume.confidence = test::namedBox("confidence", 1);
+    volume.views = test::namedBox("views", 1);
     const VdbFile file{"", gridsOf(volume), {}};
-    ASSERT_EQ(file.grids.size(), 4u);
+    ASSERT_EQ(file.grids.size(), 5u);
     EXPECT_EQ(file.grids[0]->getName(), "density");
     EXPECT_EQ(file.grids[1]->getName(), "opacity");
     EXPECT_EQ(colorGrid(file), volume.color);

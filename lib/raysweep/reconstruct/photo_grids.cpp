@@ -1,0 +1,51 @@
+#include "raysweep/reconstruct/photo_grids.h"
+
+#include "raysweep/volume/color_volume.h"
+
+namespace raysweep {
+
+void addGrids(const PhotoLevel& level, PhotoReconstruction& result) {
+    const auto transform = level.grid.transform();
+    result.density = openvdb::FloatGrid::create(0);
+    result.density->setName("density");
+    result.density->setGridClass(openvdb::GRID_FOG_VOLUME);
+    result.density->setTransform(transform);
+    const auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
+    color->setTransform(transform);
+    auto toDensity = result.density->getAccessor();
+    auto toColor = color->getAccessor();
+    for (std::size_t b = 1; b < level.layout.brickCount(); ++b)
+        for (int i = 0; i < 512; ++i) {
+            const Index3 within(i >> 6, i >> 3 & 7, i & 7), at = level.layout.origins[b] + within;
+            if (!isSet(level.layout.masks[b], within.x, within.y, within.z)) continue;
+            const std::size_t n = b * 512 + std::size_t(i);
+            const CompositeVoxel& voxel = level.voxels[n];
+            const openvdb::Coord place(at.x, at.y, at.z);
+            if (level.isSolid(n)) toDensity.setValue(place, float(voxel.extinction / level.grid.spacing));
+            toColor.setValue(place, openvdb::Vec3s(voxel.red, voxel.green, voxel.blue));
+        }
+    result.opacity = opacityGrid(*result.density);
+    result.color = extendedColor(*color, *result.density);
+}
+
+void addDirectional(const PhotoLevel& level, PhotoReconstruction& result) {
+    const auto gridOf = [&](const char* name, const auto& colorAt) {
+        const auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
+        grid->setTransform(level.grid.transform());
+        auto to = grid->getAccessor();
+        for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
+            const openvdb::Coord at = voxel.getCoord();
+            to.setValue(at, openvdb::Vec3s(colorAt(level.layout.voxel(Index3(at.x(), at.y(), at.z())))));
+        }
+        const auto extended = extendedColor(*grid, *result.density);
+        extended->setName(name);
+        return extended;
+    };
+    result.directional.constant = gridOf("Cd_0", [&](std::size_t i) { return &level.voxels[i].red; });
+    const char* const names[] = {"Cd_x", "Cd_y", "Cd_z"};
+    openvdb::Vec3SGrid::Ptr* const grids[] = {&result.directional.x, &result.directional.y, &result.directional.z};
+    for (int axis = 0; axis < 3; ++axis)
+        *grids[axis] = gridOf(names[axis], [&](std::size_t i) { return level.slopes[i].of[axis]; });
+}
+
+}  // namespace raysweep

@@ -1,0 +1,15 @@
+/// The volume of a fit of photographs as grids.
+#pragma once
+
+#include "raysweep/reconstruct/photo_level.h"
+#include "raysweep/reconstruct/photo_result.h"
+
+namespace raysweep {
+
+/// Sets density, opacity and colour.
+void addGrids(const PhotoLevel& level, PhotoReconstruction& result);
+
+/// Sets the coefficients of colours that depend on the direction. After addGrids.
+void addDirectional(const PhotoLevel& level, PhotoReconstruction& result);
+
+}  // namespace raysweep

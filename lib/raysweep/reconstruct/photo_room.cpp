@@ -1,0 +1,12 @@
+#include "raysweep/reconstruct/photo_room.h"
+
+#include "raysweep/core/memory.h"
+
+namespace raysweep {
+
+void requireRoom(double voxels, std::size_t bytesPerVoxel) {
+    requireBytes(double(residentBytes()) + voxels * double(bytesPerVoxel), "photographs and volume need at least",
+                 "choose fewer voxels, or a smaller box", Remedy::giveGrid);
+}
+
+}  // namespace raysweep
