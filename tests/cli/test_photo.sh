@@ -78,7 +78,7 @@ expect_exit 0 "$raysweep" light seen.vdb -o lit.vdb --albedo grid:Cd --sun 0,1,-
 
 # Colours by direction: four more grids, and what they reach.
 photo views -o directional.vdb "${small[@]}" --method fit --hold-out 4 --sh 1
-expect_json report.json "r['psnr_held_out_directional'] > 30 and r['psnr_held_out'] > 30"
+expect_json report.json "r['psnr_held_out_directional'] > 36.3 and r['psnr_held_out'] > 36.4"  # found: 37.2, 37.2: these colours are from all sides alike
 expect_exit 0 "$raysweep" info directional.vdb --json
 cp .out info.json
 expect_json info.json "[g['name'] for g in r['grids']] == ['density', 'opacity', 'Cd', 'Cd_0', 'Cd_x', 'Cd_y', 'Cd_z']"

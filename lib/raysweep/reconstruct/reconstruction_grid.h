@@ -1,6 +1,7 @@
 /// Where a volume is reconstructed.
 #pragma once
 
+#include "raysweep/camera/camera.h"
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
