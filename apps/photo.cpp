@@ -66,9 +66,9 @@ ColorVolume readReference(const std::string& path) {
 void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
     if (!a.method.empty()) return;
     const bool lit = a.findLight || a.shading.diffuse > 0;
-    const bool parallel =
-        !a.refinePoses && sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
-    a.method = (parallel || lit) && a.sh == 0 ? "consistent" : "fit";
+    const bool parallel = sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
+    const bool asksFit = a.refinePoses || a.sh > 0;
+    a.method = (parallel || lit) && !asksFit ? "consistent" : "fit";
     detail(a.common, "method " + a.method);
 }
 

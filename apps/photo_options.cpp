@@ -179,9 +179,9 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
     requireValid(command, [&] { a.shading.validate(); });
     if (a.method == "fit" && (a.light == "auto" || a.shading.diffuse > 0))
         usageError(a.light == "auto" ? "--light" : "--diffuse", "is for --method consistent and paper");
-    if (a.refinePoses && ((!a.method.empty() && a.method != "fit") || a.light == "auto" || a.shading.diffuse > 0))
-        usageError("--refine-poses", "is for --method fit");
-    if (!a.method.empty() && a.method != "fit" && a.sh > 0) usageError("--sh", "is for --method fit");
+    const bool otherMethod = (!a.method.empty() && a.method != "fit") || a.light == "auto" || a.shading.diffuse > 0;
+    if (otherMethod && a.refinePoses) usageError("--refine-poses", "is for --method fit");
+    if (otherMethod && a.sh > 0) usageError("--sh", "is for --method fit");
     if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";

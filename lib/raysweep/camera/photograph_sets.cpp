@@ -4,16 +4,22 @@
 #include "raysweep/camera/object_bounds.h"
 #include "raysweep/camera/pose_check.h"
 #include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 
+#include <ImathBoxAlgo.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <numeric>
 
 namespace raysweep {
 namespace {
 
 constexpr double kMuchOfTheEdge = 0.02;  ///< of its pixels
+constexpr double kMuchBeside = 0.1;      ///< the bounds: a stand may well be left out
 
 std::string nameOf(const Pose& pose) {
     for (const std::string* file : {&pose.image, &pose.onWhite, &pose.onBlack})
@@ -102,6 +108,33 @@ void warnOfEdges(const PhotographSets& sets, std::vector<std::string>& warnings)
             "the mattes, and at the threshold");
 }
 
+/// Part of what the photographs show that no ray through the box could meet.
+double partBeside(const Box3& box, const std::vector<Photograph>& views) {
+    std::vector<double> beside(views.size()), all(views.size());
+    parallelFor(views.size(), [&](std::size_t n) {
+        const Photograph& view = views[n];
+        for (int y = 0; y < view.matte.height; ++y)
+            for (int x = 0; x < view.matte.width; ++x) {
+                const double alpha = view.matte.at(x, y)[3];
+                if (!(alpha > 0)) continue;
+                const Ray ray = pixelRay(view.camera, x + 0.5, y + 0.5);
+                all[n] += alpha;
+                if (!Imath::intersects(box, Imath::Line3d(ray.origin, ray.origin + ray.direction))) beside[n] += alpha;
+            }
+    });
+    const double sum = std::accumulate(all.begin(), all.end(), 0.0);
+    return sum > 0 ? std::accumulate(beside.begin(), beside.end(), 0.0) / sum : 0;
+}
+
+/// Bounds that were asked for in other units, or of another object, cut off what the photographs show.
+void warnOfBounds(const Box3& box, const PhotographSets& sets, std::vector<std::string>& warnings) {
+    const double beside = partBeside(box, sets.used.views);
+    if (beside > kMuchBeside)
+        warnings.push_back(std::to_string(int(std::lround(100 * beside))) +
+                           " % of what the photographs show lies beside the bounds that were given, and nothing can "
+                           "be there: are they in the units and axes of the poses?");
+}
+
 Poses readTestPoses(const PhotographSetOptions& options, CameraAxes axes) {
     if (options.test.empty()) return {};
     PoseOptions same = options.poses;
@@ -159,6 +192,7 @@ PhotographSets readPhotographSets(const std::string& input, const PhotographSetO
     if (!sets.complete) sets.used = sets.heldOut = sets.test = {};
     sets.bounds = options.bounds || !sets.complete ? options.bounds : boundsFor(sets);
     warnOfEdges(sets, sets.warnings);
+    if (options.bounds) warnOfBounds(*options.bounds, sets, sets.warnings);
     if (sets.poses.views.size() == 1)
         sets.warnings.push_back("there is one view only: nothing says how far away what it shows is");
     sets.seconds = timer.seconds();

@@ -143,9 +143,11 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     result.keptVoxels = level.layout.keptVoxels();
     result.resolution = level.grid.resolution();
     result.smoothness = smoothness.weight();
-    if (!level.slopes.empty()) addDirectional(level, result);
-    if (!level.slopes.empty()) level.voxels = meanColors(pictures, level);
+    const std::vector<CompositeVoxel> constants = level.voxels;
+    const bool directional = !level.slopes.empty();
+    if (directional) level.voxels = meanColors(pictures, level);
     addGrids(level, result);
+    if (directional) addDirectional(level, constants, result);
     if (reference && !result.history.empty() && shiftTo(*reference->density, level.grid))
         PhotoReference(*reference, level.grid, level.layout)
             .compare([&](std::size_t i) { return matterOf(level.voxels[i]); }, result.history.back());

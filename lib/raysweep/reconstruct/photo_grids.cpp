@@ -28,7 +28,8 @@ void addGrids(const PhotoLevel& level, PhotoReconstruction& result) {
     result.color = extendedColor(*color, *result.density);
 }
 
-void addDirectional(const PhotoLevel& level, PhotoReconstruction& result) {
+void addDirectional(const PhotoLevel& level, const std::vector<CompositeVoxel>& constants,
+                    PhotoReconstruction& result) {
     const auto gridOf = [&](const char* name, const auto& colorAt) {
         const auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
         grid->setTransform(level.grid.transform());
@@ -41,7 +42,7 @@ void addDirectional(const PhotoLevel& level, PhotoReconstruction& result) {
         extended->setName(name);
         return extended;
     };
-    result.directional.constant = gridOf("Cd_0", [&](std::size_t i) { return &level.voxels[i].red; });
+    result.directional.constant = gridOf("Cd_0", [&](std::size_t i) { return &constants[i].red; });
     const char* const names[] = {"Cd_x", "Cd_y", "Cd_z"};
     openvdb::Vec3SGrid::Ptr* const grids[] = {&result.directional.x, &result.directional.y, &result.directional.z};
     for (int axis = 0; axis < 3; ++axis)

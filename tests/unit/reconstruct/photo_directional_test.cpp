@@ -144,6 +144,8 @@ PhotoFitOptions smallFit() {
     options.raysPerUpdate = 2048;
     options.box = Box3(Vec3(-1), Vec3(1));
     options.sh = 1;
+    options.smoothness = 3e-2;
+    options.adaptSmoothness = false;
     options.smoothSlopes = 1e-3;  // clean pictures, all that there is to know
     options.pullSlopes = 0;
     return options;
