@@ -200,8 +200,22 @@ std::string describeMoved(const PhotoOutcome& outcome) {
            listed(names);
 }
 
+void commentLight(const PhotoArguments& a, PhotoOutcome& outcome) {
+    constexpr double kSure = 0.2;  // of confidence
+    if (!outcome.result.light) return;
+    const PhotoLight& light = *outcome.result.light;
+    detail(a.common, "light: " + brief(100 * light.shading.diffuse, 2) + " % of it diffuse, confidence " +
+                         brief(light.confidence, 2));
+    if (light.confidence >= kSure) return;
+    outcome.warnings.push_back("the pictures hardly tell where the light comes from (confidence " +
+                               brief(light.confidence, 2) +
+                               "): it is nearly all ambient, or the opposite light suits them as well");
+    warning(a.common, outcome.warnings.back());
+}
+
 void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
     const Judgement& judgement = outcome.judgement;
+    commentLight(a, outcome);
     if (!judgement.standingOut.empty()) {
         outcome.warnings.push_back(describeStandingOut(judgement));
         warning(a.common, outcome.warnings.back());

@@ -3,6 +3,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/reconstruct/photo_sart.h"
+#include "raysweep/reconstruct/photo_sheets.h"
 #include "raysweep/reconstruct/photo_sightings.h"
 #include "raysweep/reconstruct/photo_surfaces.h"
 #include "raysweep/reconstruct/photo_views.h"
@@ -10,11 +11,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <random>
+#include <utility>
 
 namespace raysweep {
 namespace {
+
+/// The first volume's: the guess at the light is no better in finer ones, and steps are cheap there.
+constexpr int kFirstResolution = 64;
+/// The opposite light leaves more by this part if it is surely wrong.
+constexpr double kSure = 0.1;
 
 /// Evenly, `most` of them; the first always.
 std::vector<Photograph> someOf(const std::vector<Photograph>& photographs, int most) {
@@ -32,16 +40,65 @@ ReconstructionGrid coarser(ReconstructionGrid grid, int resolution) {
     return grid;
 }
 
-/// Red, green and blue of the rays of a view.
+/// Three numbers for each ray of a view.
 using RayPixels = std::vector<std::array<float, 3>>;
 
-/// Finds colours by which surfaces show pictures, in the light of each, as near as a few passes bring it.
+/// The light of a search.
+struct LightState {
+    Vec3 light;  ///< direction of travel, as for the first picture, length 1
+    double ambient = 0.3, diffuse = 0.7;
+};
+
+/// What is looked at.
+struct LitSheets {
+    const PhotoSurfaces* surfaces = nullptr;
+    std::vector<SheetNormal> normals;
+    std::vector<float> opacities;
+};
+
+LitSheets litSheets(const PhotoSurfaces& surfaces) {
+    LitSheets to{&surfaces, sheetNormals(surfaces.layout, surfaces.voxels), std::vector<float>(surfaces.voxels.size())};
+    for (std::size_t i = 0; i < to.opacities.size(); ++i) to.opacities[i] = -std::expm1(-surfaces.voxels[i].extinction);
+    return to;
+}
+
+constexpr int kCell = 2;  ///< voxels along an edge that have one colour: both sides of a thin sheet have the same
+
+/// Sets the voxels of each cell of a brick to their mean, weighted by opacity.
+void poolBrick(CompositeVoxel* voxels, const float* opacities) {
+    for (int first = 0; first < 512; ++first) {
+        if (((first >> 6) % kCell | (first >> 3 & 7) % kCell | (first & 7) % kCell) != 0) continue;
+        CompositeVoxel sum;
+        float weight = 0;
+        const auto forCell = [&](const auto& body) {
+            for (int x = 0; x < kCell; ++x)
+                for (int y = 0; y < kCell; ++y)
+                    for (int z = 0; z < kCell; ++z) body(std::size_t(first + (x << 6 | y << 3 | z)));
+        };
+        forCell([&](std::size_t i) {
+            weight += opacities[i];
+            sum.red += opacities[i] * voxels[i].red;
+            sum.green += opacities[i] * voxels[i].green;
+            sum.blue += opacities[i] * voxels[i].blue;
+        });
+        const float part = weight > 0 ? 1 / weight : 0;
+        forCell([&](std::size_t i) {
+            voxels[i] = {voxels[i].extinction, part * sum.red, part * sum.green, part * sum.blue};
+        });
+    }
+}
+
+/// Finds colours by which sheets show pictures, in the light of each, as near as a few passes bring it.
 class ColorSolver {
   public:
-    ColorSolver(const std::vector<Photograph>& pictures, const PhotoSurfaces& surfaces)
-        : pictures_(pictures), surfaces_(surfaces), rays_(pictures.size()), sums_(surfaces.layout.voxelCount()) {
+    ColorSolver(const std::vector<Photograph>& pictures, const LitSheets& sheets)
+        : pictures_(pictures),
+          sheets_(sheets),
+          rays_(pictures.size()),
+          sums_(sheets.surfaces->layout.voxelCount()),
+          shown_(sums_.size()) {
         for (std::size_t n = 0; n < pictures.size(); ++n)
-            setRays(rays_[n], pictures[n], surfaces.grid, surfaces.layout, 1, 0);
+            setRays(rays_[n], pictures[n], sheets.surfaces->grid, sheets.surfaces->layout, 1, 0);
         order_.resize(pictures.size());
         std::iota(order_.begin(), order_.end(), std::size_t(0));
         std::mt19937 random(1);
@@ -51,52 +108,89 @@ class ColorSolver {
     std::size_t views() const { return rays_.size(); }
     const PhotoRays& rays(std::size_t view) const { return rays_[view]; }
     const PhotoCamera& camera(std::size_t view) const { return pictures_[view].camera; }
-    const PhotoSurfaces& surfaces() const { return surfaces_; }
+    const LitSheets& sheets() const { return sheets_; }
 
-    ViewLight light(const Shading& shading, std::size_t view) const {
-        return lightOf(shading, pictures_[view].camera, pictures_.front().camera);
+    /// Black: colours that were made in another light would keep some of it.
+    std::vector<CompositeVoxel> black() const {
+        std::vector<CompositeVoxel> colors(sums_.size());
+        for (std::size_t i = 0; i < colors.size(); ++i) colors[i].extinction = sheets_.surfaces->voxels[i].extinction;
+        return colors;
+    }
+
+    SheetLight light(const LightState& state, std::size_t view) const {
+        const Vec3 travels = carriedAlong(state.light, pictures_.front().camera, camera(view)).normalized();
+        const Vec3& ahead = camera(view).forward;
+        return {float(state.ambient),
+                float(state.diffuse),
+                {float(-travels.x), float(-travels.y), float(-travels.z)},
+                {float(-ahead.x), float(-ahead.y), float(-ahead.z)}};
     }
 
     /// From what `colors` are. They need not be positive.
-    void solve(const std::vector<RayPixels>& targets, const Shading& shading, int passes,
+    void solve(const std::vector<RayPixels>& targets, const LightState& state, int passes,
                std::vector<CompositeVoxel>& colors) {
         for (int pass = 0; pass < passes; ++pass)
-            for (const std::size_t n : order_) update(targets[n], light(shading, n), n, colors);
+            for (const std::size_t n : order_) update(targets[n], light(state, n), n, colors);
     }
 
-    /// What is seen of `colors` in the light of a view.
-    RayPixels seen(const std::vector<CompositeVoxel>& colors, const ViewLight& light, std::size_t view) {
-        lightAll(surfaces_, colors, light, shown_);
+    /// What is seen of `colors` in a light.
+    RayPixels seen(const std::vector<CompositeVoxel>& colors, const SheetLight& light, std::size_t view) {
+        lightAll(colors, light);
+        return seen(shown_, view);
+    }
+
+    /// As they are.
+    RayPixels seen(const std::vector<CompositeVoxel>& colors, std::size_t view) {
         seen_.resize(rays_[view].rays.size());
-        composite(surfaces_.layout, shown_.data(), rays_[view].rays.data(), seen_.size(), seen_.data());
+        composite(sheets_.surfaces->layout, colors.data(), rays_[view].rays.data(), seen_.size(), seen_.data());
         RayPixels to;
         for (const RayColor& color : seen_) to.push_back({color.red, color.green, color.blue});
         return to;
     }
 
+    /// Calls `body(i)` for all voxels of bricks.
+    template <class Body>
+    void forVoxels(const Body& body) const {
+        parallelFor(sheets_.surfaces->layout.brickCount() - 1, [&](std::size_t n) {
+            for (std::size_t i = (n + 1) * 512; i < (n + 2) * 512; ++i) body(i);
+        });
+    }
+
   private:
-    void update(const RayPixels& target, const ViewLight& light, std::size_t view,
+    void lightAll(const std::vector<CompositeVoxel>& colors, const SheetLight& light) {
+        forVoxels([&](std::size_t i) {
+            const float f = SheetBrightness(sheets_.normals[i], light).all;
+            shown_[i] = {colors[i].extinction, f * colors[i].red, f * colors[i].green, f * colors[i].blue};
+        });
+    }
+
+    void update(const RayPixels& target, const SheetLight& light, std::size_t view,
                 std::vector<CompositeVoxel>& colors) {
-        lightAll(surfaces_, colors, light, shown_);
+        lightAll(colors, light);
         const auto rule = [&](std::size_t r, const RaySamples& samples, SampleShare* shares) {
             shareColors(rays_[view].shares[r], samples, shares);
             return std::array<float, 3>{target[r][0] - samples.color.red, target[r][1] - samples.color.green,
                                         target[r][2] - samples.color.blue};
         };
-        compositeSpread(surfaces_.layout, shown_.data(), rays_[view].rays, rule, tape_, sums_.data());
-        parallelFor(surfaces_.layout.brickCount() - 1, [&](std::size_t n) {
-            for (std::size_t i = (n + 1) * 512; i < (n + 2) * 512; ++i) {
-                const float f = brightness(light, surfaces_.normals[i]);
-                colors[i].red += f * sums_[i].red;
-                colors[i].green += f * sums_[i].green;
-                colors[i].blue += f * sums_[i].blue;
+        compositeSpread(sheets_.surfaces->layout, shown_.data(), rays_[view].rays, rule, tape_, sums_.data());
+        parallelFor(sheets_.surfaces->layout.brickCount() - 1, [&](std::size_t n) {
+            const std::size_t first = (n + 1) * 512;
+            for (std::size_t i = first; i < first + 512; ++i) {
+                const float f = SheetBrightness(sheets_.normals[i], light).all;
+                sums_[i] = {0, f * sums_[i].red, f * sums_[i].green, f * sums_[i].blue};
+            }
+            poolBrick(&sums_[first], &sheets_.opacities[first]);
+            for (std::size_t i = first; i < first + 512; ++i) {
+                colors[i].red += sums_[i].red;
+                colors[i].green += sums_[i].green;
+                colors[i].blue += sums_[i].blue;
                 sums_[i] = {};
             }
         });
     }
 
     const std::vector<Photograph>& pictures_;
-    const PhotoSurfaces& surfaces_;
+    const LitSheets& sheets_;
     std::vector<PhotoRays> rays_;
     std::vector<CompositeVoxel> sums_, shown_;
     std::vector<RayColor> seen_;
@@ -108,105 +202,191 @@ float sumOf(const std::array<float, 3>& color) {
     return color[0] + color[1] + color[2];
 }
 
-/// What a small change of each component of diffuse light does to the brightness of a view; in place of colours.
-std::vector<CompositeVoxel> slopesOf(const ColorSolver& solver, const std::vector<CompositeVoxel>& colors,
-                                     const ViewLight& light, std::size_t view) {
-    std::vector<CompositeVoxel> slopes(colors.size());
-    const PhotoSurfaces& surfaces = solver.surfaces();
-    parallelFor(surfaces.layout.brickCount() - 1, [&](std::size_t n) {
-        for (std::size_t i = (n + 1) * 512; i < (n + 2) * 512; ++i) {
-            slopes[i].extinction = colors[i].extinction;
-            const Vec3 normal = unpacked(surfaces.normals[i]);
-            if (normal.dot(Vec3(light.toLight[0], light.toLight[1], light.toLight[2])) <= 0) continue;
-            const Vec3 slope = carriedAlong(normal, solver.camera(view), solver.camera(0)) *
-                               -double(colors[i].red + colors[i].green + colors[i].blue);
-            slopes[i].red = float(slope.x);
-            slopes[i].green = float(slope.y);
-            slopes[i].blue = float(slope.z);
-        }
-    });
-    return slopes;
-}
+/// Two directions across the light's and each other.
+struct Beside {
+    Vec3 u, v;
 
-/// Squares of brightnesses and what light changes of them, sums over all pixels.
-struct NormalEquations {
-    Matrix3 matrix = Matrix3(0, 0, 0, 0, 0, 0, 0, 0, 0);  ///< of slopes, without what colours could do
-    Vec3 right{0};                                        ///< the same times what is left
-    double left = 0, power = 0;
+    explicit Beside(const Vec3& light) {
+        const Vec3 other = std::abs(light.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+        u = light.cross(other).normalized();
+        v = light.cross(u);
+    }
 };
 
-/// @param colors those for `shading` afterwards
-NormalEquations equationsFor(ColorSolver& solver, const Shading& shading, int passes,
-                             std::vector<CompositeVoxel>& colors) {
-    std::vector<RayPixels> targets(solver.views()), slopes(solver.views()), seen(solver.views());
-    for (std::size_t n = 0; n < solver.views(); ++n)
+/// A light, the colours that suit it, and what of its changes colours absorb; unknowns are its turns to two sides, and
+/// the diffuse part.
+struct Trial {
+    LightState state;
+    std::vector<CompositeVoxel> colors, absorbed;
+    Matrix3 matrix = Matrix3(0, 0, 0, 0, 0, 0, 0, 0, 0);  ///< products of slopes, without what colours could do, summed
+    Vec3 right{0};                                        ///< those with what is left
+    double left = 0, power = 0;                           ///< squares of what is left, and of the pictures
+};
+
+/// What small changes of the unknowns do to the brightness of a view, in place of colours.
+void setSlopes(const ColorSolver& solver, const Trial& trial, std::size_t view, std::vector<CompositeVoxel>& slopes) {
+    const SheetLight light = solver.light(trial.state, view);
+    const Beside beside(trial.state.light);
+    const Vec3 u = carriedAlong(beside.u, solver.camera(0), solver.camera(view));
+    const Vec3 v = carriedAlong(beside.v, solver.camera(0), solver.camera(view));
+    solver.forVoxels([&](std::size_t i) {
+        const SheetNormal& n = solver.sheets().normals[i];
+        const SheetBrightness bright(n, light);
+        const CompositeVoxel& color = trial.colors[i];
+        const float c = color.red + color.green + color.blue, along = -c * bright.along;  // light travels, -toLight
+        const Vec3 axis(n.axis[0], n.axis[1], n.axis[2]);
+        slopes[i] = {color.extinction, along * float(axis.dot(u)), along * float(axis.dot(v)), c * bright.diffuse};
+    });
+}
+
+/// Colours for the trial's light, and what is left then.
+void solve(ColorSolver& solver, int passes, Trial& trial) {
+    const std::size_t views = solver.views();
+    std::vector<RayPixels> targets(views), slopes(views);
+    for (std::size_t n = 0; n < views; ++n)
         for (const auto& pixel : solver.rays(n).pixels) targets[n].push_back({pixel[0], pixel[1], pixel[2]});
-    solver.solve(targets, shading, passes, colors);
-    for (std::size_t n = 0; n < solver.views(); ++n) {
-        const ViewLight light = solver.light(shading, n);
-        seen[n] = solver.seen(colors, light, n);
-        slopes[n] = solver.seen(slopesOf(solver, colors, light, n), ViewLight(), n);
+    solver.solve(targets, trial.state, passes, trial.colors);
+    std::vector<CompositeVoxel> changes(trial.colors.size());
+    for (std::size_t n = 0; n < views; ++n) {
+        setSlopes(solver, trial, n, changes);
+        slopes[n] = solver.seen(changes, n);
     }
-    std::vector<CompositeVoxel> absorbed(colors.size());
-    for (std::size_t i = 0; i < colors.size(); ++i) absorbed[i].extinction = colors[i].extinction;
-    solver.solve(slopes, shading, passes, absorbed);
-    NormalEquations sums;
-    for (std::size_t n = 0; n < solver.views(); ++n) {
-        const RayPixels gone = solver.seen(absorbed, solver.light(shading, n), n);
-        for (std::size_t r = 0; r < gone.size(); ++r) {
-            const double all = sumOf(targets[n][r]), left = all - sumOf(seen[n][r]);
+    solver.solve(slopes, trial.state, passes, trial.absorbed);
+    trial.matrix = Matrix3(0, 0, 0, 0, 0, 0, 0, 0, 0);
+    trial.right = Vec3(0);
+    trial.left = trial.power = 0;
+    for (std::size_t n = 0; n < views; ++n) {
+        const SheetLight light = solver.light(trial.state, n);
+        const RayPixels seen = solver.seen(trial.colors, light, n), gone = solver.seen(trial.absorbed, light, n);
+        for (std::size_t r = 0; r < seen.size(); ++r) {
+            const double all = sumOf(targets[n][r]), left = all - sumOf(seen[r]);
             Vec3 slope;
             for (int i = 0; i < 3; ++i) slope[i] = slopes[n][r][std::size_t(i)] - gone[r][std::size_t(i)];
-            sums.power += all * all;
-            sums.left += left * left;
-            sums.right += slope * left;
+            trial.power += all * all;
+            trial.left += left * left;
+            trial.right += slope * left;
             for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) sums.matrix[i][j] += slope[i] * slope[j];
+                for (int j = 0; j < 3; ++j) trial.matrix[i][j] += slope[i] * slope[j];
         }
     }
-    return sums;
+}
+
+/// Of the trial's matrix. Where nothing depends on an unknown it is near to 0 from there on.
+Matrix3 inverseOf(const Trial& trial) {
+    Matrix3 matrix = trial.matrix;
+    const double trace = matrix[0][0] + matrix[1][1] + matrix[2][2];
+    for (int i = 0; i < 3; ++i) matrix[i][i] += 1e-6 * trace + 1e-30;
+    return matrix.gjInverse();
 }
 
 /// Changes the light by what the equations say, and colours such that ambient and diffuse light together are 1.
-void step(const NormalEquations& equations, Shading& shading, std::vector<CompositeVoxel>& colors) {
-    Matrix3 matrix = equations.matrix;
-    // Where nothing depends on a component it is left as it is.
-    const double trace = matrix[0][0] + matrix[1][1] + matrix[2][2];
-    for (int i = 0; i < 3; ++i) matrix[i][i] += 1e-6 * trace + 1e-30;
-    const Vec3 lit = shading.light * shading.diffuse + equations.right * matrix.inverse();
+void step(Trial& trial) {
+    constexpr double kMostTurn = 0.5;       // radians
     constexpr double kLeastAmbient = 1e-3;  // of all: without it there is no scale to colours that see no light
-    const double ambient = std::max(shading.ambient, kLeastAmbient), all = ambient + lit.length();
-    if (!(lit.length() > 0) || !std::isfinite(all)) return;
-    shading.diffuse = lit.length() / all;
-    shading.ambient = 1 - shading.diffuse;
-    shading.light = lit.normalized();
-    for (CompositeVoxel& color : colors) {
+    constexpr double kMostLoss = 0.75;      // of diffuse light: without it nothing leads back
+    LightState& state = trial.state;
+    const Vec3 change = trial.right * inverseOf(trial);
+    const double turn = std::hypot(change.x, change.y), part = turn > kMostTurn ? kMostTurn / turn : 1;
+    const Beside beside(state.light);
+    const Vec3 light = (state.light + (beside.u * change.x + beside.v * change.y) * part).normalized();
+    const double ambient = std::max(state.ambient, kLeastAmbient);
+    const double diffuse = std::max((1 - kMostLoss) * state.diffuse, state.diffuse + change.z), all = ambient + diffuse;
+    if (!std::isfinite(all)) return;
+    state = {light, ambient / all, diffuse / all};
+    for (CompositeVoxel& color : trial.colors) {
         color.red *= float(all);
         color.green *= float(all);
         color.blue *= float(all);
     }
 }
 
-/// What else is to be said of a light, from how its neighbours fare.
-PhotoLight judged(const NormalEquations& equations, const Shading& shading) {
-    const auto more = [&](const Vec3& change) { return change.dot(change * equations.matrix); };
-    const Vec3 beside = std::abs(shading.light.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-    const Vec3 u = shading.light.cross(beside).normalized(), v = shading.light.cross(u);
-    constexpr int kAround = 36;
-    const double far = 2 * std::sin(15 * kPi / 180) * shading.diffuse;  // 30 degrees away
-    double least = more(u * far);
-    for (int i = 0; i < kAround; ++i) {
-        const double angle = i * kPi / kAround;
-        least = std::min(least, more((u * std::cos(angle) + v * std::sin(angle)) * far));
+/// What is left more, at least, by a light that is one radian aside, were it so far linear; its diffuse part suits it.
+double leastTold(const Trial& trial) {
+    const Matrix3 inverse = inverseOf(trial);
+    const double sum = inverse[0][0] + inverse[1][1], difference = inverse[0][0] - inverse[1][1];
+    return 2 / (sum + std::hypot(difference, 2 * inverse[0][1]));
+}
+
+/// A volume of some resolution, as what light falls on.
+struct LightLevel {
+    std::vector<Photograph> pictures, lit;  ///< of the volume; of these, those for the colours
+    PhotoSurfaces surfaces;
+    LitSheets sheets;
+};
+
+/// Nothing if it was stopped.
+std::unique_ptr<LightLevel> lightLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
+                                       const PhotoLightOptions& options, const ProgressCallback& progress) {
+    auto level = std::make_unique<LightLevel>();
+    level->pictures = picturesFor(someOf(photographs, options.views), grid);
+    level->lit = someOf(level->pictures, options.lit);
+    PhotoSartOptions first;
+    first.iterations = options.passes;
+    const PhotoReconstruction volume = photoSart(level->pictures, grid, first, {}, progress);
+    if (volume.termination == PhotoTermination::interrupted) return nullptr;
+    level->surfaces = surfacesOf(volume, grid);
+    level->sheets = litSheets(level->surfaces);
+    return level;
+}
+
+/// Looks for a light, step after step.
+class LightSearch {
+  public:
+    /// @param steps all that there will be, for `progress`
+    LightSearch(const PhotoLightOptions& options, int steps, ProgressCallback progress)
+        : options_(options), all_(steps), progress_(std::move(progress)) {}
+
+    /// For the trial's light, from black. @return false if it was stopped
+    bool start(ColorSolver& solver, Trial& trial) {
+        trial.colors = trial.absorbed = solver.black();
+        return solved(solver, trial);
     }
-    const double all = more(shading.light * shading.diffuse), power = std::max(equations.power, 1e-30);
+
+    bool take(ColorSolver& solver, int steps, Trial& trial) {
+        for (int n = 0; n < steps; ++n) {
+            step(trial);
+            if (!solved(solver, trial)) return false;
+        }
+        return true;
+    }
+
+    ProgressCallback volume() const {
+        return [this](const std::string&, double) { return tell(); };
+    }
+
+  private:
+    bool solved(ColorSolver& solver, Trial& trial) {
+        if (!tell()) return false;
+        solve(solver, options_.colorPasses, trial);
+        ++done_;
+        return true;
+    }
+
+    bool tell() const { return report(progress_, "looking for the light", double(done_) / all_); }
+
+    const PhotoLightOptions& options_;
+    int all_, done_ = 0;
+    ProgressCallback progress_;
+};
+
+constexpr int kTrialSteps = 2;  ///< after which two guesses are compared
+
+/// What is said of a light, from how its neighbours fare. @param opposite squares that the other guess leaves, in those
+/// that this one does
+PhotoLight judged(const Trial& trial, double opposite) {
+    const LightState& state = trial.state;
+    const double told = leastTold(trial), aside = 2 * std::sin(15 * kPi / 180);
+    const double all = state.diffuse * state.diffuse * trial.matrix[2][2];
+    const double power = std::max(trial.power, 1e-30), left = std::max(trial.left, 1e-30);
     PhotoLight light;
-    light.shading = shading;
-    light.residual = std::sqrt(equations.left / power);
-    light.aside = std::sqrt((equations.left + least) / power);
-    light.ambient = std::sqrt((equations.left + all) / power);
-    const double part = far * far / std::max(shading.diffuse * shading.diffuse, 1e-30);
-    light.confidence = std::clamp(least / part / std::max(equations.left + least / part, 1e-30), 0.0, 1.0);
+    light.shading.light = state.light;
+    light.shading.diffuse = state.diffuse;
+    light.shading.ambient = 1 - light.shading.diffuse;
+    light.residual = std::sqrt(trial.left / power);
+    light.aside = std::sqrt((trial.left + told * aside * aside) / power);
+    light.ambient = std::sqrt((trial.left + all) / power);
+    const double known = told / (left + told), sure = std::clamp((opposite - 1) / kSure, 0.0, 1.0);
+    light.confidence = known * sure;
     return light;
 }
 
@@ -215,36 +395,46 @@ PhotoLight judged(const NormalEquations& equations, const Shading& shading) {
 void PhotoLightOptions::validate() const {
     requireField(resolution >= 8 && resolution <= 256, "resolution of the light's volume", resolution, "from 8 to 256");
     requireField(views > 1, "views for the light", views, "at least 2");
+    requireField(lit > 1, "views for colours in the light", lit, "at least 2");
     requireField(passes > 0, "passes for the light", passes, "at least 1");
     requireField(places > 0, "places for the light", places, "at least 1");
     requireField(directions > 1, "directions of the light", directions, "at least 2");
     requireField(steps >= 0, "steps for the light", steps, "at least 0");
+    requireField(fineSteps >= 0, "steps for the light in the finer volume", fineSteps, "at least 0");
     requireField(colorPasses > 0, "passes for colours in the light", colorPasses, "at least 1");
 }
 
 std::optional<PhotoLight> findLight(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
                                     const PhotoLightOptions& options, const ProgressCallback& progress) {
     options.validate();
-    const auto part = [&](double from, double to) {
-        return [&progress, from, to](const std::string&, double fraction) {
-            return report(progress, "looking for the light", from + (to - from) * fraction);
-        };
-    };
-    const ReconstructionGrid coarse = coarser(grid, options.resolution);
-    const std::vector<Photograph> pictures = picturesFor(someOf(photographs, options.views), coarse);
-    PhotoSartOptions first;
-    first.iterations = options.passes;
-    const PhotoReconstruction volume = photoSart(pictures, coarse, first, {}, part(0, 0.3));
-    if (volume.termination == PhotoTermination::interrupted) return {};
-    const PhotoSurfaces surfaces = surfacesOf(volume, coarse);
-    Shading shading = guessLight(pictures, surfaces, std::size_t(options.places), options.directions);
-    ColorSolver solver(pictures, surfaces);
-    std::vector<CompositeVoxel> colors = surfaces.voxels;
-    for (int n = 0; n < options.steps; ++n) {
-        if (!report(progress, "looking for the light", 0.4 + 0.6 * n / (options.steps + 1))) return {};
-        step(equationsFor(solver, shading, options.colorPasses, colors), shading, colors);
+    const ReconstructionGrid fine = coarser(grid, options.resolution), first = coarser(fine, kFirstResolution);
+    const bool twice = first.resolution() < fine.resolution();
+    LightSearch search(options, 2 * (kTrialSteps + 1) + options.steps + (twice ? 1 + options.fineSteps : 0), progress);
+    Trial best;
+    double opposite = 1;
+    {
+        const auto level = lightLevel(photographs, first, options, search.volume());
+        if (!level) return {};
+        const Vec3 guess =
+            guessLight(level->pictures, level->surfaces, std::size_t(options.places), options.directions).light;
+        ColorSolver solver(level->lit, level->sheets);
+        Trial other;
+        best.state.light = guess.normalized();
+        other.state.light = best.state.light * -1.0;
+        // Sheets of which both sides are seen look nearly the same in the opposite light.
+        for (Trial* trial : {&best, &other})
+            if (!search.start(solver, *trial) || !search.take(solver, kTrialSteps, *trial)) return {};
+        if (other.left < best.left) std::swap(best, other);
+        opposite = other.left / std::max(best.left, 1e-30);
+        if (!search.take(solver, options.steps, best)) return {};
     }
-    return judged(equationsFor(solver, shading, options.colorPasses, colors), shading);
+    if (twice) {
+        const auto level = lightLevel(photographs, fine, options, search.volume());
+        if (!level) return {};
+        ColorSolver solver(level->lit, level->sheets);
+        if (!search.start(solver, best) || !search.take(solver, options.fineSteps, best)) return {};
+    }
+    return judged(best, opposite);
 }
 
 }  // namespace raysweep

@@ -39,8 +39,8 @@ struct PhotoLight {
     double residual = 0;    ///< RMS of what it leaves of the brightness of the pictures, relative to that
     double aside = 0;       ///< the least that a light leaves whose direction is 30 degrees away
     double ambient = 0;     ///< what ambient light alone leaves
-    double confidence = 0;  ///< of what ambient light leaves, in squares, the part that the direction explains, were
-                            ///< all as telling as the least telling one; in [0,1]
+    double confidence = 0;  ///< of the squares that a light leaves which is one radian aside, the part that this one
+                            ///< does not leave; less if the opposite light leaves hardly more; in [0,1]
 };
 
 /// A photograph's camera, and how far it is from where it was said to be.

@@ -12,6 +12,7 @@
 /// is more along a ray; so this is a guess.
 #pragma once
 
+#include "raysweep/camera/photographs.h"
 #include "raysweep/reconstruct/photo_surfaces.h"
 
 #include <cstddef>

@@ -1,7 +1,6 @@
 #include "raysweep/reconstruct/photo_surfaces.h"
 
 #include "raysweep/core/parallel.h"
-#include "raysweep/reconstruct/photo_views.h"
 
 namespace raysweep {
 
@@ -31,20 +30,6 @@ PhotoSurfaces surfacesOf(const PhotoReconstruction& volume, const Reconstruction
     parallelFor(to.layout.brickCount() - 1,
                 [&](std::size_t n) { brickNormals(to.layout, to.voxels.data(), n + 1, &to.normals[(n + 1) * 512]); });
     return to;
-}
-
-ViewLight lightOf(const Shading& shading, const PhotoCamera& camera, const PhotoCamera& first) {
-    const Vec3 light = carriedAlong(shading.light, first, camera).normalized();
-    return {float(shading.ambient), float(shading.diffuse), {float(-light.x), float(-light.y), float(-light.z)}};
-}
-
-void lightAll(const PhotoSurfaces& surfaces, const std::vector<CompositeVoxel>& colors, const ViewLight& light,
-              std::vector<CompositeVoxel>& shown) {
-    shown.resize(colors.size());
-    parallelFor(surfaces.layout.brickCount() - 1, [&](std::size_t n) {
-        const std::size_t first = (n + 1) * 512;
-        lightBrick(&colors[first], &surfaces.normals[first], light, &shown[first]);
-    });
 }
 
 }  // namespace raysweep

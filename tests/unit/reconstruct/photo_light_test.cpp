@@ -42,19 +42,19 @@ double degreesBetween(const Vec3& a, const Vec3& b) {
 TEST(PhotoLight, IsFoundWithinFiveDegrees) {
     const PhotoExperiment experiment = photoExperiment(litObject(0.5));
     const PhotoLight found = findLight(experiment.photographs, experiment.grid, quick()).value();
-    EXPECT_LT(degreesBetween(found.shading.light, experiment.shading.light), 5);
-    // Found .422: normals on the scale of a voxel are not quite those of the surface, which costs contrast.
-    EXPECT_NEAR(found.shading.diffuse, 0.5, 0.085);
+    EXPECT_LT(degreesBetween(found.shading.light, experiment.shading.light), 3.8);  // found 3.5
+    // Found .445: normals on the scale of a voxel are not quite those of the surface, which costs contrast.
+    EXPECT_NEAR(found.shading.diffuse, 0.5, 0.06);
     EXPECT_LT(found.residual, found.aside);
     EXPECT_LE(found.aside, found.ambient);
-    EXPECT_GT(found.confidence, 0.72);  // found .80
+    EXPECT_GT(found.confidence, 0.72);  // found .79
 }
 
 TEST(PhotoLight, AmbientLightIsNoDirection) {
     const PhotoExperiment experiment = photoExperiment(litObject(0));
     const PhotoLight found = findLight(experiment.photographs, experiment.grid, quick()).value();
-    EXPECT_LT(found.shading.diffuse, 0.027);  // found .024 and .01
-    EXPECT_LT(found.confidence, 0.015);
+    EXPECT_LT(found.shading.diffuse, 0.007);  // found .0064 and .0017
+    EXPECT_LT(found.confidence, 0.0019);
 }
 
 TEST(PhotoLight, StopsWithoutOne) {
@@ -77,8 +77,8 @@ TEST(Photo, OneCallFindsTheLightAndTheVolume) {
     options.findLight = false;
     options.light.shading = experiment.shading;
     const PhotoReconstruction known = reconstructPhotographs(experiment.photographs, options);
-    // Found 1.060: the share of diffuse light is not found exactly.
-    EXPECT_NEAR(found.history.back().color / known.history.back().color, 1, 0.065);
+    // Found 1.012: the share of diffuse light is not found exactly.
+    EXPECT_NEAR(found.history.back().color / known.history.back().color, 1, 0.0133);
     EXPECT_EQ(found.density->getName(), "density");
     EXPECT_EQ(found.opacity->getName(), "opacity");
     EXPECT_EQ(found.color->getName(), "Cd");
