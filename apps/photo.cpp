@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <new>
 #include <set>
 
 namespace fs = std::filesystem;
@@ -65,9 +66,9 @@ ColorVolume readReference(const std::string& path) {
 /// The method, if none was asked for.
 void chooseMethod(PhotoArguments& a, const PhotographSets& sets) {
     if (!a.method.empty()) return;
-    const bool lit = a.findLight || a.shading.diffuse > 0;
+    const bool lit = a.findLight || a.shading.diffuse > 0 || a.shading.ambient != 1;
     const bool parallel = sets.used.views.front().camera.projection == Camera::Projection::Orthographic;
-    const bool asksFit = a.refinePoses || a.sh > 0;
+    const bool asksFit = a.refinePoses || a.sh > 0 || a.smooth;
     a.method = (parallel || lit) && !asksFit ? "consistent" : "fit";
     detail(a.common, "method " + a.method);
 }
@@ -168,7 +169,7 @@ std::string listed(const std::vector<std::string>& names) {
     return text + (names.size() > kNamed ? ", ..." : "");
 }
 
-/// "3 views fit much worse than the others: a, b, c".
+/// "3 views are met much worse than the others; are their poses right? 'a' (20 dB), ...".
 std::string describeStandingOut(const Judgement& judgement) {
     const std::size_t count = judgement.standingOut.size();
     std::string text = count == 1 ? "one view is met much worse than the others; is its pose right?"
@@ -224,6 +225,11 @@ void comment(const PhotoArguments& a, PhotoOutcome& outcome) {
     if (outcome.result.termination == PhotoTermination::overfitted)
         message(a.common, "the views carry " + std::to_string(outcome.result.resolution) +
                               " voxels along the longest edge: finer ones made left-out pixels worse");
+    if (outcome.result.termination == PhotoTermination::noRoom) {
+        outcome.warnings.push_back("there is no memory for more than " + std::to_string(outcome.result.resolution) +
+                                   " voxels along the longest edge");
+        warning(a.common, outcome.warnings.back());
+    }
     if (outcome.result.density->empty()) {
         outcome.warnings.push_back("the volume is empty");
         warning(a.common, outcome.warnings.back());
@@ -265,11 +271,17 @@ bool make(PhotoArguments& a, PhotoOutcome& outcome, Shading& shading) {
     return !(isInterrupted(outcome.result) && outcome.result.density->empty());
 }
 
-/// Looks what photographs see. @return false if it was stopped
+/// Looks what photographs see; without memory for that, the volume is still there. @return false if it was stopped
 bool addConfidence(const PhotoArguments& a, PhotoOutcome& outcome, ColorVolume& volume) {
     const Timer timer;
     TerminalProgress progress(a.common);
-    outcome.confidence = photoConfidence(*volume.density, outcome.sets.used.views, {}, progress.callback());
+    try {
+        outcome.confidence = photoConfidence(*volume.density, outcome.sets.used.views, {}, progress.callback());
+    } catch (const std::bad_alloc&) {
+        outcome.warnings.push_back("there is no memory to look what was seen: no confidence is written");
+        warning(a.common, outcome.warnings.back());
+        return true;
+    }
     volume.confidence = outcome.confidence.confidence;
     volume.views = outcome.confidence.views;
     outcome.confidenceSeconds = timer.seconds();

@@ -71,9 +71,9 @@ void addMethodOptions(CLI::App& app, PhotoArguments& a) {
         ->type_name("fit|consistent|paper");
     app.add_option("--iterations", a.iterations, "How often each pixel is used (default: by method)")->type_name("N");
     app.add_option("--relaxation", a.relaxation, "consistent, paper: part of each correction that is made");
-    app.add_option(
-           "--smooth", a.smooth,
-           "fit: weight of the total variation that is kept small (default: as pixels that are left out want it)")
+    app.add_option("--smooth", a.smooth,
+                   "fit: weight of the total variation that is kept small (default: from 0.003 on as pixels that are "
+                   "left out want it)")
         ->type_name("W");
     app.add_flag("--refine-poses", a.refinePoses,
                  "fit: move cameras whose poses are wrong to where their pictures fit the others'");
@@ -177,12 +177,6 @@ Box3 parseBounds(const std::string& text) {
 void completeLight(PhotoArguments& a, const CLI::App& command) {
     a.shading.ambient = a.ambient.value_or(std::max(0.0, 1 - a.shading.diffuse));
     requireValid(command, [&] { a.shading.validate(); });
-    if (a.method == "fit" && (a.light == "auto" || a.shading.diffuse > 0))
-        usageError(a.light == "auto" ? "--light" : "--diffuse", "is for --method consistent and paper");
-    const bool otherMethod = (!a.method.empty() && a.method != "fit") || a.light == "auto" || a.shading.diffuse > 0;
-    if (otherMethod && a.refinePoses) usageError("--refine-poses", "is for --method fit");
-    if (otherMethod && a.sh > 0) usageError("--sh", "is for --method fit");
-    if (a.method == "fit" && a.relaxation) usageError("--relaxation", "is for --method consistent and paper");
     if (a.light.empty()) return;
     a.findLight = a.light == "auto";
     if (a.findLight && a.lampStands) usageError("--fixed-light", "light that stands still cannot be found");
@@ -191,6 +185,22 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
         if (!(a.lightInWorld->length() > 0)) usageError("--light", "must not be 0,0,0");
         if (!(a.shading.diffuse > 0)) usageError("--light", "needs --diffuse as well");
     }
+}
+
+/// Options that mean nothing to the method would be ignored silently.
+void requireFittingMethod(const PhotoArguments& a) {
+    const char* const lit = a.light == "auto"        ? "--light"
+                            : a.shading.diffuse > 0  ? "--diffuse"
+                            : a.shading.ambient != 1 ? "--ambient"
+                                                     : nullptr;
+    const char* const corrected = lit                  ? lit
+                                  : a.relaxation       ? "--relaxation"
+                                  : a.historyEvery > 0 ? "--history"
+                                                       : nullptr;
+    if (a.method == "fit" && corrected) usageError(corrected, "is for --method consistent and paper");
+    const char* const fitted = a.refinePoses ? "--refine-poses" : a.sh > 0 ? "--sh" : a.smooth ? "--smooth" : nullptr;
+    if (((!a.method.empty() && a.method != "fit") || lit) && fitted) usageError(fitted, "is for --method fit");
+    if (a.refinePoses && a.sh > 0) usageError("--refine-poses", "does not go with --sh 1");
 }
 
 }  // namespace
@@ -214,8 +224,8 @@ void completeOptions(PhotoArguments& a, const CLI::App& command) {
     if (a.smooth) requireFactor(*a.smooth, "--smooth");
     if (a.iterations && *a.iterations < 1) usageError("--iterations", "must be at least 1");
     if (a.historyEvery < 0) usageError("--history", "must be at least 0");
-    if (a.method == "fit" && a.historyEvery > 0) usageError("--history", "is for --method consistent and paper");
     completeLight(a, command);
+    requireFittingMethod(a);
     if (!(a.backdrop >= 0 && a.backdrop <= 1)) usageError("--backdrop", "must be in [0,1]");
 }
 

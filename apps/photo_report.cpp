@@ -136,6 +136,8 @@ const char* nameOf(PhotoTermination termination) {
             return "interrupted";
         case PhotoTermination::overfitted:
             return "overfitted";
+        case PhotoTermination::noRoom:
+            return "no-room";
         default:
             return "iterations";
     }
@@ -173,7 +175,7 @@ nlohmann::ordered_json describe(const PhotoArguments& a, const PhotoOutcome& out
                        {"updates", result.timings.updates},
                        {"confidence", outcome.confidenceSeconds},
                        {"compare", outcome.judgement.used.seconds + outcome.judgement.heldOut.seconds +
-                                       outcome.judgement.test.seconds}};
+                                       outcome.judgement.test.seconds + outcome.judgement.directional.seconds}};
     addLight(json, result);
     addHistory(json, result, !a.reference.empty());
     json["view_list"] = views;

@@ -57,9 +57,9 @@ void correction(benchmark::State& state, PhotoForm form, int threads) {
 
 double bytesOf(const PhotoLevel& level) {
     const CompositeLayout& layout = level.layout;
-    const double perVoxel = 2 * sizeof(CompositeVoxel) + sizeof(AdamMoments);
     const double perBrick = sizeof(Index3) + 2 * sizeof(VoxelMask);
-    return perVoxel * double(layout.voxelCount()) + perBrick * double(layout.brickCount()) +
+    return double(PhotoLevel::bytesPerVoxel(false)) * double(layout.voxelCount()) +
+           perBrick * double(layout.brickCount()) +
            double(layout.table.size() * sizeof(layout.table[0]) + layout.cells.size());
 }
 
@@ -68,7 +68,7 @@ void samplesThereAndBack(benchmark::State& state) {
     constexpr std::size_t kRays = 16384;
     const std::vector<Photograph> photographs = takePhotographs(Camera::Projection::Perspective, RigOrbit::sphere);
     const ThreadLimit limit(1);
-    PhotoLevel level = firstLevel(photographs, grid(), 0.02f);
+    PhotoLevel level = firstLevel(photographs, grid(), 0.02f, 0, false);
     const PhotoPixels pixels(photographs);
     std::vector<std::uint32_t> order = pixelsMeeting(pixels, level, {}).fitted;
     std::mt19937 random(1);

@@ -112,6 +112,12 @@ expect_json report.json "r['matting'] == 'masks'"
 photo views -o vol.vdb --size 24 --iterations 1
 expect_json report.json "all(-1.2 < a < b < 1.2 for a, b in zip(*r['bounds']))"
 
+# Bounds that cut off much of it are warned of, others are not.
+photo views -o vol.vdb --size 24 --iterations 1 --bounds=-1,-1,-1,0,1,1
+expect_json report.json "any('beside the bounds' in w for w in r['warnings'])"
+photo views -o vol.vdb "${small[@]}" --iterations 1
+expect_json report.json "r['warnings'] == []"
+
 # A camera that was turned by 2 degrees is named, and no other.
 python3 - <<'END'
 import json, math

@@ -1,5 +1,7 @@
 #include "raysweep/core/memory.h"
 
+#include "raysweep/core/brief.h"
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -64,9 +66,9 @@ void resetPeak() {
 void requireBytes(double bytes, const std::string& what, const std::string& instead, Remedy remedy) {
     const auto available = double(physicalBytes());
     if (bytes > available)
-        throw InvalidArgument(what + " " + std::to_string(std::size_t(bytes / 1e9)) + " GB, this machine has " +
-                                  std::to_string(std::size_t(available / 1e9)) + " GB; " + instead,
-                              remedy);
+        throw InvalidArgument(
+            what + " " + brief(bytes / 1e9, 3) + " GB, there are " + brief(available / 1e9, 3) + " GB; " + instead,
+            remedy);
 }
 
 void requireMemory(double blocks, std::size_t bytesPerVoxel) {

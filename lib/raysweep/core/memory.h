@@ -18,7 +18,7 @@ void resetPeak();                 ///< where the system allows it
 /// @param groups as /proc/self/cgroup says them  @param root where their files are: /sys/fs/cgroup
 double groupLimit(std::istream& groups, const std::string& root);
 
-/// @throw InvalidArgument "WHAT 12 GB, this machine has 8 GB; INSTEAD" if there is less than `bytes` (physicalBytes).
+/// @throw InvalidArgument "WHAT 12.3 GB, there are 8.1 GB; INSTEAD" if there is less than `bytes` (physicalBytes).
 /// @param remedy of the error; what a program adds stands at its end
 void requireBytes(double bytes, const std::string& what, const std::string& instead, Remedy remedy = Remedy::none);
 

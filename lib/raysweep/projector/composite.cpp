@@ -375,6 +375,7 @@ void spread(const CompositeLayout& layout, const std::vector<CompositeRay>& rays
 
 /// Sets the shares of a piece's samples, and what its rays share.
 using PieceRule = std::function<void(std::size_t first, std::size_t count, SampleRoom& room, RayColor* shared)>;
+
 /// Those of ray `r` of a piece.
 RaySamples samplesOf(const SampleRoom& room, std::size_t r, const CompositeRay& ray, const RayColor& color) {
     const std::size_t begin = room.firsts[r];

@@ -32,7 +32,7 @@ struct CompositeRay {
 };
 
 /// @param ray origin and direction in voxels; nothing is seen behind the origin
-/// @param perSlice samples from slice to slice, > 0
+/// @param perSlice samples from slice to slice, 1 to 16
 CompositeRay compositeRay(const CompositeLayout& layout, const Ray& ray, int perSlice);
 
 /// Whether one of its samples may see a voxel that is kept.

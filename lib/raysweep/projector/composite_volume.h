@@ -1,6 +1,7 @@
 /// Extinction and colour in sparse bricks, laid out for rays that meet few of them.
 #pragma once
 
+#include "raysweep/core/parallel.h"
 #include "raysweep/core/types.h"
 
 #include <array>
@@ -47,6 +48,23 @@ struct CompositeLayout {
         return std::size_t(brick) << 9 | std::size_t((at.x & 7) << 6 | (at.y & 7) << 3 | (at.z & 7));
     }
 };
+
+/// Calls `body(voxel's index, its place)` for all voxels that are kept, several bricks at a time.
+template <class Body>
+void forKept(const CompositeLayout& layout, const Body& body) {
+    constexpr std::size_t kTogether = 4;  // bricks
+    parallelFor(
+        layout.brickCount() - 1,
+        [&](std::size_t n) {
+            const std::size_t b = n + 1;
+            for (int i = 0; i < 512; ++i) {
+                const Index3 within(i >> 6, i >> 3 & 7, i & 7);
+                if (isSet(layout.masks[b], within.x, within.y, within.z))
+                    body(b * 512 + std::size_t(i), layout.origins[b] + within);
+            }
+        },
+        kTogether);
+}
 
 /// A brick and those of its voxels that are to be kept.
 struct MaskedBrick {

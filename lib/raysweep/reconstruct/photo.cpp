@@ -148,7 +148,8 @@ void PhotoOptions::validate() const {
     if (grid) grid->validate();
     if (findLight && !light.turns)
         throw InvalidArgument("light that stays with the object cannot be found: from all sides it looks the same");
-    if (method == PhotoMethod::fit && (findLight || light.shading.diffuse > 0))
+    const bool lit = findLight || light.shading.diffuse > 0 || light.shading.ambient != 1;
+    if (method == PhotoMethod::fit && lit)
         throw InvalidArgument(
             "the fit takes colours as they are seen; choose another method where light is known or "
             "to be found");

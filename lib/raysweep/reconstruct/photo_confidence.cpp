@@ -204,15 +204,13 @@ void lookFrom(const Photograph& picture, const Matter& matter, const PhotoConfid
         64);
 }
 
-FloatGrid::Ptr gridOf(const FloatGrid& shape, const Matter& matter, const std::vector<Seen>& seen, float Seen::*value) {
-    const auto grid = withVoxelsOf<FloatGrid>(shape);
-    setActive(*grid, [&] {
+void setValues(FloatGrid& grid, const Matter& matter, const std::vector<Seen>& seen, float Seen::*value) {
+    setActive(grid, [&] {
         return [&](const Coord& index) {
             const Coord at = index - matter.origin;
             return seen[matter.layout.voxel(Index3(at.x(), at.y(), at.z()))].*value;
         };
     });
-    return grid;
 }
 
 }  // namespace
@@ -227,7 +225,10 @@ PhotoConfidence photoConfidence(const FloatGrid& density, const std::vector<Phot
     options.validate();
     requireUsable(photographs);
     requireCubes(density);
-    if (density.activeVoxelCount() == 0) return {withVoxelsOf<FloatGrid>(density), withVoxelsOf<FloatGrid>(density)};
+    PhotoConfidence result{withVoxelsOf<FloatGrid>(density), withVoxelsOf<FloatGrid>(density)};
+    result.confidence->setName("confidence");
+    result.views->setName("views");
+    if (density.activeVoxelCount() == 0) return result;
     const FloatGrid::Ptr voxels = density.deepCopy();
     voxels->tree().voxelizeActiveTiles();
     const Matter matter = matterIn(*voxels);
@@ -238,10 +239,8 @@ PhotoConfidence photoConfidence(const FloatGrid& density, const std::vector<Phot
         if (!report(progress, "looking at what was seen", double(n) / double(pictures.size()))) return {};
         lookFrom(pictures[n], matter, options, largest, seen);
     }
-    const PhotoConfidence result{gridOf(density, matter, seen, &Seen::most),
-                                 gridOf(density, matter, seen, &Seen::views)};
-    result.confidence->setName("confidence");
-    result.views->setName("views");
+    setValues(*result.confidence, matter, seen, &Seen::most);
+    setValues(*result.views, matter, seen, &Seen::views);
     return result;
 }
 

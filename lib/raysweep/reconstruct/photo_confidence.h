@@ -33,7 +33,8 @@ struct PhotoConfidence {
 /// threads.
 ///
 /// Rays are those of the pixels; several for pixels larger than a voxel, fewer for smaller ones (photo_views.h,
-/// setRays): at most 1.25 voxels apart. Memory: 24 bytes for each voxel of a brick, and the rays of one picture.
+/// setRays): at most 1.25 voxels apart. Memory: 28 bytes for each voxel of a brick, the
+/// photographs made smaller, and the rays of one.
 /// @param density extinction, 1/world unit; its voxels are cubes along the world's axes
 /// @throw InvalidArgument unless they are, for options out of bounds, and as requireUsable of the photographs
 PhotoConfidence photoConfidence(const openvdb::FloatGrid& density, const std::vector<Photograph>& photographs,

@@ -10,27 +10,9 @@
 namespace raysweep {
 namespace {
 
-constexpr float kLeastRoot = 0.02f;   ///< as voxel_fit.cpp has it
-constexpr float kScale = 0.02f;       ///< round tip of total variation: SmoothWeights::colorScale
-constexpr std::size_t kTogether = 4;  ///< bricks
+constexpr float kScale = SmoothWeights().colorScale;  ///< round tip of total variation
 
 using Direction = std::array<float, 3>;
-
-/// Calls `body(voxel's index, its place)` for all voxels that are kept, several bricks at a time.
-template <class Body>
-void forKept(const CompositeLayout& layout, const Body& body) {
-    parallelFor(
-        layout.brickCount() - 1,
-        [&](std::size_t n) {
-            const std::size_t b = n + 1;
-            for (int i = 0; i < 512; ++i) {
-                const Index3 within(i >> 6, i >> 3 & 7, i & 7);
-                if (isSet(layout.masks[b], within.x, within.y, within.z))
-                    body(b * 512 + std::size_t(i), layout.origins[b] + within);
-            }
-        },
-        kTogether);
-}
 
 Direction directionTo(const ViewPoint& from, const Index3& voxel) {
     if (from.parallel) return {float(from.direction.x), float(from.direction.y), float(from.direction.z)};

@@ -36,7 +36,7 @@ std::vector<Photograph> reducedTo(const std::vector<Photograph>& photographs, in
 /// voxels, while views that were held out gain .9.
 constexpr double kWorse = 1.122;
 
-/// How often the first grid is made anew with the poses that it has refined: a wrong pose takes from the hull what the
+/// How often the first grid is made, with the poses that it has refined: a wrong pose takes from the hull what the
 /// object needs.
 constexpr int kMostRounds = 3;
 
@@ -44,6 +44,14 @@ std::vector<PhotoCamera> camerasOf(const std::vector<Photograph>& photographs) {
     std::vector<PhotoCamera> cameras;
     for (const Photograph& photograph : photographs) cameras.push_back(photograph.camera);
     return cameras;
+}
+
+/// Frees what only updates need.
+void forgetSteps(PhotoLevel& level) {
+    level.gradient = std::vector<CompositeVoxel>();
+    level.moments = std::vector<AdamMoments>();
+    level.slopeGradient = std::vector<ColorSlopes>();
+    level.slopeMoments = std::vector<SlopeMoments>();
 }
 
 /// @return whether a camera has moved
@@ -83,7 +91,12 @@ void PhotoFitOptions::validate() const {
     requireField(colorRate > 0 && std::isfinite(colorRate), "colorRate", colorRate, "above 0");
     requireField(lastRate > 0 && lastRate <= 1, "lastRate", lastRate, "in (0,1]");
     requireField(smoothness >= 0 && std::isfinite(smoothness), "smoothness", smoothness, "0 or more, and finite");
+    requireField(smoothness > 0 || !adaptSmoothness, "smoothness", smoothness, "above 0 where it is to adapt");
     requireField(sh == 0 || sh == 1, "sh", sh, "0 or 1");
+    if (refinePoses && sh > 0)
+        throw InvalidArgument("poses are refined by colours that are alike from all sides: `sh` 0");
+    requireField(levels > 1 || !refinePoses, "levels", levels,
+                 "at least 2 where poses are to be refined, by the coarse ones");
     requireField(slopeRate > 0 && std::isfinite(slopeRate), "slopeRate", slopeRate, "above 0");
     requireField(smoothSlopes >= 0 && std::isfinite(smoothSlopes), "smoothSlopes", smoothSlopes,
                  "0 or more, and finite");
@@ -115,13 +128,16 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     bool again = false;
     for (int n = 0, rounds = 0; n < options.levels; n += !again) {
         const ReconstructionGrid grid = photoGrid(box, std::max(8, options.resolution >> (finest - n)));
-        level.gradient = std::vector<CompositeVoxel>();
-        level.moments = std::vector<AdamMoments>();
-        level.slopeGradient = std::vector<ColorSlopes>();
-        level.slopeMoments = std::vector<SlopeMoments>();
+        forgetSteps(level);
         coarser = std::move(level);
-        level = n == 0 ? firstLevel(pictures, grid, hull, finest, options.sh > 0)
-                       : finerLevel(coarser, pictures, grid, hull, float(options.prune));
+        std::optional<PhotoLevel> next = n == 0 ? firstLevel(pictures, grid, hull, finest, options.sh > 0)
+                                                : finerLevel(coarser, pictures, grid, hull, float(options.prune));
+        if (!next) {
+            level = std::move(coarser);
+            result.termination = PhotoTermination::noRoom;
+            break;
+        }
+        level = std::move(*next);
         const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
         if (!LevelFit(level, pixels, options, timer, result)
@@ -143,11 +159,15 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     result.keptVoxels = level.layout.keptVoxels();
     result.resolution = level.grid.resolution();
     result.smoothness = smoothness.weight();
-    const std::vector<CompositeVoxel> constants = level.voxels;
-    const bool directional = !level.slopes.empty();
-    if (directional) level.voxels = meanColors(pictures, level);
+    coarser = {};
+    forgetSteps(level);
+    std::vector<CompositeVoxel> constants;
+    if (!level.slopes.empty()) {
+        constants = level.voxels;
+        level.voxels = meanColors(pictures, level);
+    }
     addGrids(level, result);
-    if (directional) addDirectional(level, constants, result);
+    if (!constants.empty()) addDirectional(level, constants, result);
     if (reference && !result.history.empty() && shiftTo(*reference->density, level.grid))
         PhotoReference(*reference, level.grid, level.layout)
             .compare([&](std::size_t i) { return matterOf(level.voxels[i]); }, result.history.back());

@@ -62,67 +62,69 @@ class Interpolated {
     const PhotoLevel& level_;
 };
 
-/// Calls `body(voxel's index, its place)` for all voxels that are kept, several bricks at a time.
-template <class Body>
-void forKept(const PhotoLevel& level, const Body& body) {
-    parallelFor(level.layout.brickCount() - 1, [&](std::size_t n) {
-        const std::size_t b = n + 1;
-        for (int i = 0; i < 512; ++i) {
-            const Index3 within(i >> 6, i >> 3 & 7, i & 7);
-            if (isSet(level.layout.masks[b], within.x, within.y, within.z))
-                body(b * 512 + std::size_t(i), level.layout.origins[b] + within);
-        }
-    });
-}
-
-/// What is left at the end of the voxels that `finer` levels make of these: at the least a surface, which grows by four
-/// from level to level. So that a fit that cannot end is not begun.
-void requireRoomForFiner(const std::vector<MaskedBrick>& solid, int finer, bool directional) {
-    std::size_t voxels = 0;
-    for (const MaskedBrick& brick : solid)
-        for (const std::uint64_t word : brick.mask) voxels += std::size_t(__builtin_popcountll(word));
-    requireRoom(std::pow(4.0, finer) * double(voxels), PhotoLevel::bytesPerVoxel(directional));
-}
-
-/// A level with these voxels, all 0.
-PhotoLevel emptyLevel(const ReconstructionGrid& grid, const std::vector<MaskedBrick>& solid, bool directional) {
+/// A level with these voxels; they have no values yet.
+PhotoLevel levelOf(const ReconstructionGrid& grid, const std::vector<MaskedBrick>& solid) {
     PhotoLevel level;
     level.grid = grid;
     level.layout = compositeLayout(grid.dims, withNeighbours(solid, grid.dims), solid);
     level.solid.assign(level.layout.brickCount(), {});
     for (const MaskedBrick& brick : solid)
         if (brick.mask != VoxelMask{}) level.solid[level.layout.voxel(brick.origin) / 512] = brick.mask;
-
-    requireRoom(double(level.layout.voxelCount()), PhotoLevel::bytesPerVoxel(directional));
-    level.voxels.assign(level.layout.voxelCount(), {});
-    level.gradient.assign(level.layout.voxelCount(), {});
-    level.moments.assign(level.layout.voxelCount(), {});
-    if (directional) {
-        level.slopes.assign(level.layout.voxelCount(), {});
-        level.slopeGradient.assign(level.layout.voxelCount(), {});
-        level.slopeMoments.assign(level.layout.voxelCount(), {});
-    }
     return level;
+}
+
+/// Solid voxels beside one that is not.
+std::size_t surfaceOf(const PhotoLevel& level) {
+    return orderedSum<std::size_t>(level.layout.brickCount() - 1, [&](std::size_t n) {
+        std::size_t count = 0;
+        for (std::size_t i = (n + 1) * 512; i < (n + 2) * 512; ++i) {
+            if (!level.isSolid(i)) continue;
+            const Index3 at = level.layout.origins[n + 1] + Index3(int(i >> 6 & 7), int(i >> 3 & 7), int(i & 7));
+            bool outside = false;
+            for (int side = 0; side < 6; ++side) {
+                Index3 beside = at;
+                beside[side >> 1] += (side & 1) != 0 ? 1 : -1;
+                outside |= !level.isSolid(level.layout.voxel(beside));
+            }
+            count += outside;
+        }
+        return count;
+    });
+}
+
+/// Sets all values to 0.
+void clear(PhotoLevel& level, bool directional) {
+    const std::size_t count = level.layout.voxelCount();
+    level.voxels.assign(count, {});
+    level.gradient.assign(count, {});
+    level.moments.assign(count, {});
+    if (!directional) return;
+    level.slopes.assign(count, {});
+    level.slopeGradient.assign(count, {});
+    level.slopeMoments.assign(count, {});
 }
 
 }  // namespace
 
 PhotoLevel firstLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid, float hullThreshold,
                       int finer, bool directional) {
-    const std::vector<MaskedBrick> hull = photoHull(photographs, grid, hullThreshold);
-    requireRoomForFiner(hull, finer, directional);
-    PhotoLevel level = emptyLevel(grid, hull, directional);
+    PhotoLevel level = levelOf(grid, photoHull(photographs, grid, hullThreshold));
     if (level.layout.brickCount() == 1)
         throw InvalidArgument("the photographs show nothing that all of them could see; check mattes and poses");
+    const std::size_t bytes = PhotoLevel::bytesPerVoxel(directional);
+    requireRoom(double(level.layout.voxelCount()), bytes);
+    // What is left in the finest level is a surface at the least: a fit that cannot end is not begun.
+    requireRoom(std::pow(4.0, finer) * double(surfaceOf(level)), bytes);
+    clear(level, directional);
     constexpr float kHaze = 0.05f, kGrey = 0.25f;
-    forKept(level, [&](std::size_t i, const Index3&) {
+    forKept(level.layout, [&](std::size_t i, const Index3&) {
         level.voxels[i] = {level.isSolid(i) ? kHaze : 0, kGrey, kGrey, kGrey};
     });
     return level;
 }
 
-PhotoLevel finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& photographs,
-                      const ReconstructionGrid& grid, float hullThreshold, float prune) {
+std::optional<PhotoLevel> finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& photographs,
+                                     const ReconstructionGrid& grid, float hullThreshold, float prune) {
     const Interpolated from(coarse);
     std::vector<MaskedBrick> bricks = photoHull(photographs, grid, hullThreshold);
     parallelFor(bricks.size(), [&](std::size_t b) {
@@ -135,9 +137,11 @@ PhotoLevel finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& p
         }
     });
     const bool directional = !coarse.slopes.empty();
-    PhotoLevel level = emptyLevel(grid, bricks, directional);
+    PhotoLevel level = levelOf(grid, bricks);
+    if (!hasRoom(double(level.layout.voxelCount()), PhotoLevel::bytesPerVoxel(directional))) return std::nullopt;
+    clear(level, directional);
     const float finer = float(grid.spacing / coarse.grid.spacing);
-    forKept(level, [&](std::size_t i, const Index3& at) {
+    forKept(level.layout, [&](std::size_t i, const Index3& at) {
         float most;
         level.voxels[i] = from.at(grid.voxel(at.x, at.y, at.z), most, directional ? &level.slopes[i] : nullptr);
         level.voxels[i].extinction *= level.isSolid(i) ? finer : 0;

@@ -7,6 +7,7 @@
 #include "raysweep/reconstruct/voxel_fit.h"
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace raysweep {
@@ -51,8 +52,8 @@ PhotoLevel firstLevel(const std::vector<Photograph>& photographs, const Reconstr
 
 /// The next grid: what the coarse one has there, without what that has emptied.
 /// @param prune extinction below which a coarse voxel without others around it is empty
-/// @throw InvalidArgument if it has no room
-PhotoLevel finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& photographs,
-                      const ReconstructionGrid& grid, float hullThreshold, float prune);
+/// @return nothing if it has no room
+std::optional<PhotoLevel> finerLevel(const PhotoLevel& coarse, const std::vector<Photograph>& photographs,
+                                     const ReconstructionGrid& grid, float hullThreshold, float prune);
 
 }  // namespace raysweep

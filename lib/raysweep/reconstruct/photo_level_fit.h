@@ -9,6 +9,8 @@
 #include "raysweep/reconstruct/photo_pieces.h"
 #include "raysweep/reconstruct/photo_pixels.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <random>
 #include <string>
@@ -31,7 +33,8 @@ class Smoothness {
         constexpr double kRate = 0.15, kKeep = 0.7, kKeepSquare = 0.9;
         mean_ = kKeep * mean_ + (1 - kKeep) * helps;
         square_ = kKeepSquare * square_ + (1 - kKeepSquare) * helps * helps;
-        if (square_ > 0) weight_ *= std::exp(kRate * mean_ / std::sqrt(square_));
+        constexpr double kLeast = 1e-6, kMost = 1;
+        if (square_ > 0) weight_ = std::clamp(weight_ * std::exp(kRate * mean_ / std::sqrt(square_)), kLeast, kMost);
     }
 
   private:

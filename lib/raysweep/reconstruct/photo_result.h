@@ -16,6 +16,7 @@ namespace raysweep {
 enum class PhotoTermination {
     iterations,  ///< all passes were made
     overfitted,  ///< fit: a finer grid made pixels that are left out worse: the volume is the coarser one
+    noRoom,      ///< fit: there is no memory for a finer grid: the volume is the coarser one
     interrupted  ///< the progress callback said stop; the volume is the best of what there was
 };
 

@@ -5,9 +5,11 @@
 
 namespace raysweep {
 
+/// Whether there is memory (core/memory.h) for what the process holds already, photographs above all, and more.
 /// @param voxels of bricks that are yet to be allocated  @param bytesPerVoxel of each of them
-/// @throw InvalidArgument if they and what the process holds already, photographs above all, need more memory than
-/// there is (core/memory.h)
+bool hasRoom(double voxels, std::size_t bytesPerVoxel);
+
+/// @throw InvalidArgument unless hasRoom
 void requireRoom(double voxels, std::size_t bytesPerVoxel);
 
 }  // namespace raysweep

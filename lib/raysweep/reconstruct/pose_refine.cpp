@@ -184,10 +184,13 @@ std::optional<std::vector<PhotoCamera>> refinedPoses(const PhotoLevel& level,
     std::vector<PhotoCamera> cameras(pictures.size());
     std::vector<char> hasMoved(pictures.size());
     parallelFor(pictures.size(), [&](std::size_t n) {
+        cameras[n] = photographs[n].camera;
+        const PhotoCamera& camera = photographs[n].camera;
+        if (!std::isfinite(motionInPicture(camera, camera, level.grid.box()))) return;  // it sees no corner
         PoseFit fit(level, pictures[n], backdrops, perSlice);
         const bool wasWrong = motionInPicture(given[n], photographs[n].camera, level.grid.box()) > kMoved;
         hasMoved[n] = fit.run(wasWrong ? 1 : kGain);
-        cameras[n] = hasMoved[n] ? withPose(photographs[n].camera, fit.camera()) : photographs[n].camera;
+        if (hasMoved[n]) cameras[n] = withPose(camera, fit.camera());
     });
     if (std::none_of(hasMoved.begin(), hasMoved.end(), [](char has) { return has; })) return std::nullopt;
     removeCommonMotion(given, level.grid.box(), cameras);

@@ -5,7 +5,7 @@
 /// their size (P. J. Huber, Ann. Math. Stat. 35(1), 1964).
 ///
 /// Volumes of few voxels are blurred, and look a little more like each picture from somewhere else, up to half a voxel
-/// away: right poses would drift. They gain less than a tenth of the residuals by that, wrong ones much more.
+/// away: right poses would drift. They gain about a tenth of the residuals by that, wrong ones much more.
 #pragma once
 
 #include "raysweep/camera/photographs.h"

@@ -21,8 +21,6 @@ HWY_INLINE Four extinctionAndColor(float extinction, float color) {
     return firstOf(setFour(extinction), setFour(color));
 }
 
-constexpr float kLeastRoot = 0.02f;  ///< of a colour: at 0 it could not move any more
-
 constexpr int kEdge = 10;  ///< a brick and its neighbours' voxels
 
 /// A brick, and before each of its faces the voxels of its neighbour; colours as square roots. Edges and corners are

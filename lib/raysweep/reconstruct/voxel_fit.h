@@ -8,6 +8,8 @@
 
 namespace raysweep {
 
+constexpr float kLeastRoot = 0.02f;  ///< of a colour: at 0 it could not move any more
+
 /// Running means of a voxel's derivative and of its square.
 struct AdamMoments {
     CompositeVoxel first, second;
