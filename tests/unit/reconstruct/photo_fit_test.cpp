@@ -293,16 +293,16 @@ TEST(PhotoHull, HoldsTheBall) {
     EXPECT_LT(inside, 2 * volume);
 }
 
-// What is known of the ball: all of its extinction, and how it is inside. Voxels of a fifth of the radius, and
-// smoothness, round its edge: found are a mass 3.2 % too small, 3.5 % too much extinction well inside, a colour 1.1 %
-// too bright, and pixels that differ by 36.1 dB; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
+// What is known of the ball: all of its extinction, and how it is inside. Found are a mass .20 % too small, .61 % too
+// much extinction well inside, a colour .35 % too dark, and pixels that differ by 37.6 dB over the last pass, those
+// that are left out by 47.9 dB after it; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
 TEST(PhotoFit, BallFromTwelveViews) {
     const Ball ball;
     const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
     EXPECT_EQ(result.termination, PhotoTermination::iterations);
     ASSERT_FALSE(result.history.empty());
-    EXPECT_LT(result.history.back().imageError, std::pow(10, -35.8 / 20));
-    EXPECT_LT(result.history.back().leftOut, std::pow(10, -35.8 / 20));
+    EXPECT_LT(result.history.back().imageError, std::pow(10, -37.3 / 20));
+    EXPECT_LT(result.history.back().leftOut, std::pow(10, -47.6 / 20));
     double mass = 0, inside = 0, count = 0, color = 0;
     for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Vec3d at = result.density->indexToWorld(voxel.getCoord());
@@ -313,9 +313,9 @@ TEST(PhotoFit, BallFromTwelveViews) {
         ++count;
     }
     const double expected = ball.extinction * 4.0 / 3 * kPi * std::pow(ball.radius, 3);
-    EXPECT_NEAR(mass * std::pow(2.0 / 16, 3), expected, 0.035 * expected);
-    EXPECT_NEAR(inside / count, ball.extinction, 0.038 * ball.extinction);
-    EXPECT_NEAR(color / count, ball.color[0], 0.012 * ball.color[0]);
+    EXPECT_NEAR(mass * std::pow(2.0 / 16, 3), expected, 0.0022 * expected);
+    EXPECT_NEAR(inside / count, ball.extinction, 0.0067 * ball.extinction);
+    EXPECT_NEAR(color / count, ball.color[0], 0.0039 * ball.color[0]);
 }
 
 // Noise of which no picture knows the other's asks for a smoother volume than pictures without.
@@ -339,7 +339,7 @@ TEST(PhotoFit, SmoothnessFollowsFromThePictures) {
 }
 
 // Photographs of the rig, one of them turned by 2 degrees, 1.2 pixels: by grids of 16 and 32 voxels, after few passes,
-// it comes back to within .24 pixels, .20 of the way; after more passes and with larger pictures to .06. The others
+// it comes back to within .28 pixels, .23 of the way; after more passes and with larger pictures to .06. The others
 // stay, but for what reweighting leaves of the common motion.
 TEST(PhotoFit, WrongPoseComesBack) {
     test::PhotoExperimentOptions scene;
@@ -363,7 +363,7 @@ TEST(PhotoFit, WrongPoseComesBack) {
     ASSERT_EQ(poses.size(), truth.size());
     for (std::size_t n = 0; n < truth.size(); ++n) {
         const double before = motionInPicture(truth[n].camera, photographs[n].camera, box);
-        EXPECT_LT(motionInPicture(truth[n].camera, poses[n].camera, box), n == 4 ? 0.22 * before : 1e-3) << n;
+        EXPECT_LT(motionInPicture(truth[n].camera, poses[n].camera, box), n == 4 ? 0.25 * before : 1e-3) << n;
     }
 }
 
