@@ -40,6 +40,10 @@ constexpr double kWorse = 1.122;
 /// object needs.
 constexpr int kMostRounds = 3;
 
+/// Weight of total variation in the grids that poses are refined by: with less, a volume takes up what wrong poses
+/// show.
+constexpr double kSmoothnessForPoses = 0.03;
+
 std::vector<PhotoCamera> camerasOf(const std::vector<Photograph>& photographs) {
     std::vector<PhotoCamera> cameras;
     for (const Photograph& photograph : photographs) cameras.push_back(photograph.camera);
@@ -123,7 +127,9 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
     double done = 0;
     const float hull = float(options.hullThreshold);
     PhotoLevel level, coarser;
-    Smoothness smoothness(options.smoothness);
+    Smoothness smoothness(options.smoothness), blurred(kSmoothnessForPoses);
+    PhotoFitOptions steady = options;
+    steady.adaptSmoothness = false;
     const int finest = options.levels - 1;
     bool again = false;
     for (int n = 0, rounds = 0; n < options.levels; n += !again) {
@@ -140,12 +146,13 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
         level = std::move(*next);
         const double before = result.history.empty() ? 0 : result.history.back().leftOut;
         const double passes = n == finest ? options.passes : options.coarsePasses;
-        if (!LevelFit(level, pixels, options, timer, result)
-                 .run(passes, smoothness, progress, done / all, (done + passes) / all)) {
+        const bool forPoses = options.refinePoses && n < finest;
+        if (!LevelFit(level, pixels, forPoses ? steady : options, timer, result)
+                 .run(passes, forPoses ? blurred : smoothness, progress, done / all, (done + passes) / all)) {
             result.termination = PhotoTermination::interrupted;
             break;
         }
-        const bool moved = options.refinePoses && n < finest && refinePoses(level, given, options, pictures);
+        const bool moved = forPoses && refinePoses(level, given, options, pictures);
         again = moved && n == 0 && ++rounds < kMostRounds;
         if (again) continue;
         done += passes;
