@@ -80,7 +80,7 @@ for place in "triangles ring" "triangles sphere" "few ring" "few sphere"; do
     for share in 0.25 0.5 0.75 1; do
         name=light-$scene-$orbit-$share
         shoot "$work/$scene.vdb" "$work/lit" --orbit $orbit --diffuse $share --light $light
-        $raysweep photo "$work/lit" -o "$work/lit.vdb" --method consistent --light auto --iterations 1 --size 48 --quiet \
+        $raysweep photo "$work/lit" -o "$work/lit.vdb" --method consistent --light auto --iterations 1 --size 96 --quiet \
             --report "$work/$name.json"
         cp "$work/lit/rig.json" "$work/$name-rig.json"
         cp "$work/lit/transforms.json" "$work/$name-transforms.json"

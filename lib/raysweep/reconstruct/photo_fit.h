@@ -30,7 +30,7 @@ struct PhotoFitOptions {
     std::optional<Box3> box;           ///< of the volume, world units; without it what the photographs show
     int levels = 3;                    ///< grids, each twice as fine as the one before, > 0
     double coarsePasses = 1.5;         ///< how often each pixel is used in each coarse grid, > 0
-    double passes = 4;                 ///< and in the finest, > 0
+    double passes = 5;                 ///< and in the finest, > 0
     int pictureSize = 400;             ///< pictures whose longer edge is twice this or more are reduced, pixels, > 0
     int samplesPerSlice = 2;           ///< of rays, from slice to slice, > 0
     int raysPerUpdate = 16384;         ///< > 0

@@ -29,6 +29,7 @@ LevelFit::LevelFit(PhotoLevel& level, const PhotoPixels& pixels, const PhotoFitO
       options_(options),
       timer_(timer),
       result_(result),
+      backdrops_{float(options.backdrop), float(options.backdropSpread)},
       sets_(pixelsMeeting(pixels, level, options)),
       random_(options.seed),
       kept_(level.layout.keptVoxels()) {}
@@ -69,12 +70,11 @@ const CompositeVoxel* LevelFit::shownTo(std::uint32_t pixel) {
 void LevelFit::differentiate(const PixelPieces& pass, std::size_t piece) {
     const std::uint32_t* chosen = pass.pixels.data() + pass.pieces[piece].first;
     batch_.set(pixels_, chosen, pass.pieces[piece].count, level_, options_.samplesPerSlice);
-    const Backdrops backdrops{float(options_.backdrop), float(options_.backdropSpread)};
     compositeGradient(
         level_.layout, shownTo(*chosen), batch_.rays,
         [&](std::size_t at, std::size_t some, const RayColor* colors, RayColor* derivatives) {
             for (std::size_t i = 0; i < some; ++i)
-                batch_.errors[at + i] = pixelLoss(batch_.targets[at + i], colors[i], backdrops, derivatives[i]);
+                batch_.errors[at + i] = pixelLoss(batch_.targets[at + i], colors[i], backdrops_, derivatives[i]);
         },
         tape_, level_.gradient.data());
     if (directional()) chainColors(from_, shown_, level_);
@@ -157,7 +157,7 @@ double LevelFit::leftOutError() {
         composite(level_.layout, shownTo(*chosen), batch_.rays.data(), piece.count, colors.data());
         for (std::size_t i = 0; i < colors.size(); ++i) {
             RayColor unused;
-            batch_.errors[i] = pixelLoss(batch_.targets[i], colors[i], {}, unused);
+            batch_.errors[i] = pixelLoss(batch_.targets[i], colors[i], backdrops_, unused);
         }
         squares += batch_.error();
     }

@@ -73,6 +73,7 @@ class LevelFit {
     const PhotoFitOptions& options_;
     const Timer& timer_;
     PhotoReconstruction& result_;
+    Backdrops backdrops_;
     PixelSets sets_;
     std::mt19937 random_;
     PixelPieces pass_, leftOut_;   ///< over the fitted pixels, and over those that are left out

@@ -66,7 +66,8 @@ float pixelLoss(const PixelTarget& target, const RayColor& seen, const Backdrops
     const float alphaError = alpha - target.alpha;
     const float* colors = &seen.red;
     float* slopes = &derivative.red;
-    float byAlpha = 6 * backdrops.variance * alphaError, beforeWhite = 0;
+    float byAlpha = 6 * backdrops.variance * alphaError;
+    float loss = 3 * backdrops.variance * alphaError * alphaError;
     for (int c = 0; c < 3; ++c) {
         const float straight = colors[c] * over;
         const EncodingTable::Encoded encoded = encoding().at(straight);
@@ -74,10 +75,10 @@ float pixelLoss(const PixelTarget& target, const RayColor& seen, const Backdrops
         const float difference = 2 * (error - backdrops.mean * alphaError);
         slopes[c] = difference * encoded.slope * alpha * over;
         byAlpha += difference * (encoded.value - (alpha > kLeastAlpha ? straight * encoded.slope : 0) - backdrops.mean);
-        beforeWhite += (error - alphaError) * (error - alphaError);
+        loss += difference * difference / 4;
     }
     derivative.transmittance = -byAlpha;
-    return beforeWhite;
+    return loss;
 }
 
 }  // namespace raysweep

@@ -25,7 +25,7 @@ struct Backdrops {
 std::array<float, 4> pixelResidual(const PixelTarget& target, const RayColor& seen, const Backdrops& backdrops);
 
 /// @param derivative of the loss with respect to the ray's colour
-/// @return squared difference before white, summed over red, green, blue
+/// @return the loss: summed over red, green, blue
 float pixelLoss(const PixelTarget& target, const RayColor& seen, const Backdrops& backdrops, RayColor& derivative);
 
 }  // namespace raysweep

@@ -48,7 +48,7 @@ struct PhotoBatch {
     std::vector<std::uint32_t> pixels;
     std::vector<CompositeRay> rays;
     std::vector<PixelTarget> targets;
-    std::vector<float> errors;  ///< before white
+    std::vector<float> errors;  ///< losses
 
     void set(const PhotoPixels& all, const std::uint32_t* chosen, std::size_t count, const PhotoLevel& level,
              int perSlice);

@@ -26,7 +26,8 @@ struct PhotoPoint {
     double seconds = 0;  ///< spent on them
     int resolution = 0;  ///< voxels along the longest edge of the grid
     /// RMS difference to the pictures since the last point, each just before its update: of RGBA, linear light, all
-    /// pixels; of the fit of RGB on white as displays encode it, of pixels that meet something.
+    /// pixels; of the fit of RGB as displays encode it, before all backdrops (photo_fit.h, eq. 1), of pixels that meet
+    /// something.
     double imageError = 0;
     double leftOut = std::numeric_limits<double>::quiet_NaN();  ///< the same of pixels that are not fitted; NaN without
     double opacity = std::numeric_limits<double>::quiet_NaN();  ///< RMS over all voxels of the grid of the difference

@@ -110,7 +110,7 @@ TEST(PhotoLoss, DerivativeLikeDifferences) {
         };
         const RayColor color{float(seen[0]), float(seen[1]), float(seen[2]), float(seen[3])};
         RayColor derivative;
-        pixelLoss(target, color, backdrops, derivative);
+        EXPECT_NEAR(pixelLoss(target, color, backdrops, derivative), loss(seen), 1e-4);  // the table's error, as below
         double squares = 0;
         for (const float r : pixelResidual(target, color, backdrops)) squares += double(r) * r;
         EXPECT_NEAR(squares, loss(seen), 1e-4);  // the table's error, twice what differs
@@ -294,15 +294,15 @@ TEST(PhotoHull, HoldsTheBall) {
 }
 
 // What is known of the ball: all of its extinction, and how it is inside. Found are a mass .20 % too small, .61 % too
-// much extinction well inside, a colour .35 % too dark, and pixels that differ by 37.6 dB over the last pass, those
-// that are left out by 47.9 dB after it; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
+// much extinction well inside, a colour .35 % too dark, and pixels that differ by 40.0 dB over the last pass, those
+// that are left out by 50.2 dB after it; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
 TEST(PhotoFit, BallFromTwelveViews) {
     const Ball ball;
     const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
     EXPECT_EQ(result.termination, PhotoTermination::iterations);
     ASSERT_FALSE(result.history.empty());
-    EXPECT_LT(result.history.back().imageError, std::pow(10, -37.3 / 20));
-    EXPECT_LT(result.history.back().leftOut, std::pow(10, -47.6 / 20));
+    EXPECT_LT(result.history.back().imageError, std::pow(10, -39.7 / 20));
+    EXPECT_LT(result.history.back().leftOut, std::pow(10, -49.9 / 20));
     double mass = 0, inside = 0, count = 0, color = 0;
     for (auto voxel = result.density->cbeginValueOn(); voxel; ++voxel) {
         const openvdb::Vec3d at = result.density->indexToWorld(voxel.getCoord());
