@@ -50,14 +50,6 @@ std::vector<PhotoCamera> camerasOf(const std::vector<Photograph>& photographs) {
     return cameras;
 }
 
-/// Frees what only updates need.
-void forgetSteps(PhotoLevel& level) {
-    level.gradient = std::vector<CompositeVoxel>();
-    level.moments = std::vector<AdamMoments>();
-    level.slopeGradient = std::vector<ColorSlopes>();
-    level.slopeMoments = std::vector<SlopeMoments>();
-}
-
 /// @return whether a camera has moved
 bool refinePoses(const PhotoLevel& level, const std::vector<PhotoCamera>& given, const PhotoFitOptions& options,
                  std::vector<Photograph>& pictures) {
@@ -158,7 +150,10 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
         done += passes;
         if (n > 0 && !result.history.empty() && result.history.back().leftOut > kWorse * before) {
             level = std::move(coarser);
-            result.termination = PhotoTermination::overfitted;
+            startSteps(level);
+            const bool whole = LevelFit(level, pixels, options, timer, result)
+                                   .run(options.passes, smoothness, progress, done / all, 1);
+            result.termination = whole ? PhotoTermination::overfitted : PhotoTermination::interrupted;
             break;
         }
     }

@@ -94,17 +94,26 @@ std::size_t surfaceOf(const PhotoLevel& level) {
 
 /// Sets all values to 0.
 void clear(PhotoLevel& level, bool directional) {
-    const std::size_t count = level.layout.voxelCount();
-    level.voxels.assign(count, {});
-    level.gradient.assign(count, {});
-    level.moments.assign(count, {});
-    if (!directional) return;
-    level.slopes.assign(count, {});
-    level.slopeGradient.assign(count, {});
-    level.slopeMoments.assign(count, {});
+    level.voxels.assign(level.layout.voxelCount(), {});
+    if (directional) level.slopes.assign(level.layout.voxelCount(), {});
+    startSteps(level);
 }
 
 }  // namespace
+
+void startSteps(PhotoLevel& level) {
+    level.gradient.assign(level.voxels.size(), {});
+    level.moments.assign(level.voxels.size(), {});
+    level.slopeGradient.assign(level.slopes.size(), {});
+    level.slopeMoments.assign(level.slopes.size(), {});
+}
+
+void forgetSteps(PhotoLevel& level) {
+    level.gradient = std::vector<CompositeVoxel>();
+    level.moments = std::vector<AdamMoments>();
+    level.slopeGradient = std::vector<ColorSlopes>();
+    level.slopeMoments = std::vector<SlopeMoments>();
+}
 
 PhotoLevel firstLevel(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid, float hullThreshold,
                       int finer, bool directional) {

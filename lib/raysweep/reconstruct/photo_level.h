@@ -44,6 +44,12 @@ struct PhotoLevel {
     }
 };
 
+/// Sets what only updates need to 0: derivatives and moments.
+void startSteps(PhotoLevel& level);
+
+/// Frees that.
+void forgetSteps(PhotoLevel& level);
+
 /// The first grid: all of the hull in the same grey haze.
 /// @param finer levels that are to follow  @param directional whether colours shall depend on the direction
 /// @throw InvalidArgument if the hull is empty, or the volume will have no room
