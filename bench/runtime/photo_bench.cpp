@@ -1,6 +1,7 @@
 // Photographs: time of a correction (photoSart) and of a sample of a fit's rays, there and back (compositeGradient).
 // 128³ voxels of triangles, 20 pictures of 256².
 #include "raysweep/core/parallel.h"
+#include "raysweep/core/shuffle.h"
 #include "raysweep/phantoms/triangles.h"
 #include "raysweep/reconstruct/photo_pixels.h"
 #include "raysweep/reconstruct/photo_sart.h"
@@ -72,7 +73,7 @@ void samplesThereAndBack(benchmark::State& state) {
     const PhotoPixels pixels(photographs);
     std::vector<std::uint32_t> order = pixelsMeeting(pixels, level, {}).fitted;
     std::mt19937 random(1);
-    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+    shuffle(order, random);
     PhotoBatch batch;
     batch.set(pixels, order.data(), std::min(kRays, order.size()), level, 2);
     CompositeTape tape;

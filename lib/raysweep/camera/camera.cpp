@@ -1,5 +1,6 @@
 #include "raysweep/camera/camera.h"
 
+#include "raysweep/core/directions.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
@@ -35,7 +36,7 @@ constexpr double kMargin = 1.05;
 
 /// A unit vector square to `up` that points to the right for someone who stands upright before the volume.
 Vec3 rightOf(const Vec3& up) {
-    const Vec3 axis = std::abs(up.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    const Vec3 axis = axisAside(up);
     return (axis - up * axis.dot(up)).normalized();
 }
 

@@ -1,12 +1,11 @@
 // Rays go through the volume in parallel, each leaving its samples' shares, which a piece of rays puts into the order
-// of layers of bricks across the major axis. These are then gathered layer by layer: a task owns one, and adds what all
-// rays have there in the order of the rays, so that no two threads write to a voxel, and sums have one order. Samples
-// between two layers belong to the lower one and reach into the next: so every other layer is done first.
+// of layers of bricks across the major axis: composite_spread.cpp adds them to voxels.
 #include "raysweep/projector/composite.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/projector/composite_ray.h"
+#include "raysweep/projector/composite_spread.h"
 
 #include <hwy/cache_control.h>
 
@@ -26,9 +25,6 @@
 #ifndef RAYSWEEP_COMPOSITE_ONCE
 #define RAYSWEEP_COMPOSITE_ONCE
 namespace raysweep {
-
-constexpr std::size_t kRaysTogether =
-    16;  ///< go through the volume as one piece: their samples stay in the first cache
 
 /// What a thread keeps of the samples of its rays between compositing and derivative.
 struct SampleRoom {
@@ -222,69 +218,6 @@ void differentiateOne(const CompositeVoxel* HWY_RESTRICT samples, const float* H
     }
 }
 
-/// Samples of one ray whose places are known.
-struct Located {
-    Places places;
-    const SampleShare* shares;
-    const RayColor* color;
-    int count;
-};
-
-template <int kAxis>
-HWY_INLINE void spreadAll(const Located& samples, CompositeVoxel* HWY_RESTRICT gradient) {
-    const Four color = load(*samples.color);
-    for (int i = 0; i < samples.count; ++i) {
-        const Four given = firstOf(setFour(samples.shares[i].extinction), color * setFour(samples.shares[i].color));
-        spreadFrom<kAxis>(given, gradient, samples.places, i);
-    }
-}
-
-/// A piece has little in each layer, so that every piece's would be waited for.
-HWY_INLINE void fetch(const CompositeTape::Piece& piece, const CompositeTape::Part& part) {
-    constexpr std::size_t kLine = 64, kShares = kLine / sizeof(SampleShare), kRuns = kLine / sizeof(CompositeTape::Run);
-    constexpr std::size_t kMostShares = 8 * kRaysTogether;  // of most layers all; a hint may point anywhere
-    for (std::size_t run = part.run; run < part.end; run += kRuns) hwy::Prefetch(piece.runs.data() + run);
-    for (std::size_t n = 0; n < kMostShares; n += kShares) hwy::Prefetch(piece.shares.data() + part.share + n);
-}
-
-/// The samples of a layer, ray after ray in their order. Places of some are found before others are added to: their
-/// voxels are asked for in between.
-template <int kAxis>
-void spreadLayerAlong(const CompositeLayout& layout, const CompositeRay* rays, std::size_t first, std::size_t last,
-                      std::size_t layer, const CompositeTape& tape, CompositeVoxel* gradient) {
-    constexpr std::size_t kWaiting = 4, kAhead = 2;
-    const Sampler<kAxis> sampler(layout);
-    Located waiting[kWaiting];
-    std::size_t asked = 0;
-    for (std::size_t p = first / kRaysTogether; p * kRaysTogether < last; ++p) {
-        if ((p + kAhead) * kRaysTogether < last)
-            fetch(tape.pieces[p + kAhead], tape.parts[layer * tape.pieces.size() + p + kAhead]);
-        const CompositeTape::Piece& piece = tape.pieces[p];
-        const CompositeTape::Part part = tape.parts[layer * tape.pieces.size() + p];
-        const SampleShare* shares = piece.shares.data() + part.share;
-        for (std::uint32_t n = part.run; n < part.end; ++n) {
-            const CompositeTape::Run run = piece.runs[n];
-            const std::size_t r = p * kRaysTogether + run.ray;
-            const int count = run.count;
-            const SampleShare* next = shares;
-            shares += count;
-            if (r < first || r >= last) continue;
-            for (int from = 0; from < count; from += kChunk) {
-                Located& to = waiting[asked % kWaiting];
-                if (asked >= kWaiting) spreadAll<kAxis>(to, gradient);
-                ++asked;
-                to.shares = next + from;
-                to.color = &tape.shared[r];
-                to.count = std::min(kChunk, count - from);
-                sampler.locate(rays[r], run.first + from, run.first + count - 1, to.places);
-                sampler.prefetch(gradient, to.places, to.count);
-            }
-        }
-    }
-    for (std::size_t n = asked - std::min(asked, kWaiting); n < asked; ++n)
-        spreadAll<kAxis>(waiting[n % kWaiting], gradient);
-}
-
 }  // namespace
 
 void compositeDispatched(const CompositeLayout& layout, const CompositeVoxel* voxels, const CompositeRay* rays,
@@ -311,13 +244,6 @@ void differentiateDispatched(const CompositeRay* rays, std::size_t count, Sample
     }
 }
 
-void spreadLayerDispatched(const CompositeLayout& layout, const CompositeRay* rays, std::size_t first, std::size_t last,
-                           std::size_t layer, const CompositeTape& tape, CompositeVoxel* gradient) {
-    const int axis = rays[first].axis;
-    const auto spread = axis == 0 ? spreadLayerAlong<0> : (axis == 1 ? spreadLayerAlong<1> : spreadLayerAlong<2>);
-    spread(layout, rays, first, last, layer, tape, gradient);
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace raysweep
 HWY_AFTER_NAMESPACE();
@@ -327,7 +253,6 @@ namespace raysweep {
 
 HWY_EXPORT(compositeDispatched);
 HWY_EXPORT(differentiateDispatched);
-HWY_EXPORT(spreadLayerDispatched);
 
 namespace {
 
@@ -359,18 +284,6 @@ void keep(SampleRoom& room, std::size_t layers, CompositeTape& tape, std::size_t
         to.share += one.count;
         from += one.count;
     }
-}
-
-/// The rays of one major axis: their layers, every other first.
-void spread(const CompositeLayout& layout, const std::vector<CompositeRay>& rays, std::size_t first, std::size_t last,
-            const CompositeTape& tape, CompositeVoxel* gradient) {
-    const int layers = layout.tableDims[rays[first].axis];
-    for (int parity = 0; parity < 2; ++parity)
-        parallelFor(std::size_t((layers - parity + 1) / 2), [&](std::size_t n) {
-            const std::size_t layer = 2 * n + std::size_t(parity);
-            HWY_DYNAMIC_DISPATCH(spreadLayerDispatched)
-            (layout, rays.data(), first, last, layer, tape, gradient);
-        });
 }
 
 /// Sets the shares of a piece's samples, and what its rays share.
@@ -409,12 +322,7 @@ void traceAndSpread(const CompositeLayout& layout, const CompositeVoxel* voxels,
     });
     tape.samples = 0;
     for (const CompositeTape::Piece& piece : tape.pieces) tape.samples += piece.used;
-    for (std::size_t first = 0; first < rays.size();) {
-        std::size_t last = first;
-        while (last < rays.size() && rays[last].axis == rays[first].axis) ++last;
-        spread(layout, rays, first, last, tape, sums);
-        first = last;
-    }
+    spreadShares(layout, rays, tape, sums);
 }
 
 }  // namespace

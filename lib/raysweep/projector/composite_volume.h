@@ -39,6 +39,10 @@ struct CompositeLayout {
     std::size_t brickCount() const { return origins.size(); }  ///< with the empty one
     std::size_t voxelCount() const { return origins.size() * 512; }
     std::size_t keptVoxels() const;
+    /// Whether the voxel at an index is kept.
+    bool keeps(std::size_t voxel) const {
+        return isSet(masks[voxel >> 9], int(voxel >> 6 & 7), int(voxel >> 3 & 7), int(voxel & 7));
+    }
     /// Index of a voxel, which may lie one outside of the volume.
     std::size_t voxel(const Index3& at) const {
         const int brick =

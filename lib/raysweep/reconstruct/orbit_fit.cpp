@@ -1,5 +1,6 @@
 #include "raysweep/reconstruct/orbit_fit.h"
 
+#include "raysweep/core/directions.h"
 #include "raysweep/core/error.h"
 
 #include <ImathMatrixAlgo.h>
@@ -36,7 +37,7 @@ Vec3 flattestDirection(const std::vector<Vec3>& vectors) {
 
 /// Two directions that make a right-handed system with the axis.
 void planeOf(const Vec3& axis, Vec3& e1, Vec3& e2) {
-    const Vec3 aside = std::abs(axis.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    const Vec3 aside = axisAside(axis);
     e1 = (aside - axis * aside.dot(axis)).normalized();
     e2 = axis.cross(e1);
 }

@@ -34,26 +34,12 @@ int resolutionOf(const PhotoOptions& options) {
     return options.method == PhotoMethod::fit ? options.fit.resolution : 128;
 }
 
-/// Edge of the voxels. @throw InvalidArgument unless they are cubes along the world's axes
-double edgeOf(const openvdb::FloatGrid& reference) {
-    const auto& transform = reference.transform();
-    const double edge = transform.voxelSize().x();
-    const openvdb::Vec3d origin = transform.indexToWorld(openvdb::Vec3d(0.0));
-    for (int axis = 0; axis < 3; ++axis) {
-        openvdb::Vec3d step(0.0);
-        step[axis] = 1;
-        openvdb::Vec3d beside = transform.indexToWorld(step) - origin;
-        beside[axis] -= edge;
-        if (!transform.isLinear() || beside.length() > 1e-6 * edge)
-            throw InvalidArgument("the reference's voxels are no cubes along the world's axes");
-    }
-    return edge;
-}
-
 /// Voxels of the reference, around all of `box`.
 ReconstructionGrid gridOn(const openvdb::FloatGrid& reference, const Box3& box) {
     ReconstructionGrid grid;
-    grid.spacing = edgeOf(reference);
+    const std::optional<double> edge = edgeOfCubes(reference.transform());
+    if (!edge) throw InvalidArgument("the reference's voxels are no cubes along the world's axes");
+    grid.spacing = *edge;
     const openvdb::Vec3d low = reference.transform().worldToIndex({box.min.x, box.min.y, box.min.z});
     const Vec3 size = box.size();
     openvdb::Vec3d middle(0.0);

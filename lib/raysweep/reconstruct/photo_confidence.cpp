@@ -5,6 +5,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/projector/composite.h"
+#include "raysweep/reconstruct/photo_grids.h"
 #include "raysweep/reconstruct/photo_views.h"
 #include "raysweep/volume/active_values.h"
 #include "raysweep/volume/voxels_of.h"
@@ -33,18 +34,6 @@ struct Matter {
     std::vector<CompositeVoxel> voxels;  ///< extinction, 1 / edge of a voxel
 };
 
-void requireCubes(const FloatGrid& density) {
-    const auto& transform = density.transform();
-    bool cubes = transform.isLinear();
-    for (int axis = 0; axis < 3 && cubes; ++axis) {
-        openvdb::Vec3d step(0.0), along(0.0);
-        step[axis] = 1, along[axis] = transform.voxelSize().x();
-        cubes = (transform.indexToWorld(step) - transform.indexToWorld(openvdb::Vec3d(0.0)) - along).length() <=
-                1e-6 * along[axis];
-    }
-    if (!cubes) throw InvalidArgument("the volume's voxels are no cubes along the world's axes; resample it");
-}
-
 /// Whole bricks around the active voxels.
 void setGrid(const FloatGrid& density, Matter& matter) {
     const openvdb::CoordBBox box = density.evalActiveVoxelBoundingBox();
@@ -60,15 +49,7 @@ void setGrid(const FloatGrid& density, Matter& matter) {
 Matter matterIn(const FloatGrid& density) {
     Matter matter;
     setGrid(density, matter);
-    std::vector<MaskedBrick> bricks;
-    for (auto leaf = density.tree().cbeginLeaf(); leaf; ++leaf) {
-        const Coord low = leaf->origin() - matter.origin;
-        MaskedBrick brick{Index3(low.x(), low.y(), low.z()), {}};
-        for (auto on = leaf->cbeginValueOn(); on; ++on)
-            brick.mask[on.pos() >> 6] |= std::uint64_t(1) << (on.pos() & 63);
-        bricks.push_back(brick);
-    }
-    matter.layout = compositeLayout(matter.grid.dims, bricks);
+    matter.layout = compositeLayout(matter.grid.dims, bricksOf(density, matter.origin));
     matter.voxels.resize(matter.layout.voxelCount());
     for (auto value = density.cbeginValueOn(); value; ++value) {
         const Coord at = value.getCoord() - matter.origin;
@@ -224,7 +205,8 @@ PhotoConfidence photoConfidence(const FloatGrid& density, const std::vector<Phot
                                 const PhotoConfidenceOptions& options, const ProgressCallback& progress) {
     options.validate();
     requireUsable(photographs);
-    requireCubes(density);
+    if (!edgeOfCubes(density.transform()))
+        throw InvalidArgument("the volume's voxels are no cubes along the world's axes; resample it");
     PhotoConfidence result{withVoxelsOf<FloatGrid>(density), withVoxelsOf<FloatGrid>(density)};
     result.confidence->setName("confidence");
     result.views->setName("views");

@@ -78,7 +78,7 @@ void smoothSlopes(const SlopeWeights& weights, PhotoLevel& level) {
             Index3 beside = at;
             beside[n >> 1] += (n & 1) != 0 ? 1 : -1;
             const std::size_t j = layout.voxel(beside);
-            if (!isSet(layout.masks[j >> 9], int(j >> 6 & 7), int(j >> 3 & 7), int(j & 7))) continue;
+            if (!layout.keeps(j)) continue;
             const Direction other = scalesOf(level.voxels[j]);
             for (int axis = 0; axis < 3; ++axis)
                 for (int c = 0; c < 3; ++c) {

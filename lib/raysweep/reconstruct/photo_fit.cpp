@@ -168,7 +168,10 @@ PhotoReconstruction fitPhotographs(const std::vector<Photograph>& photographs, c
         constants = level.voxels;
         level.voxels = meanColors(pictures, level);
     }
-    addGrids(level, result);
+    const VoxelAt matter = [&](std::size_t i) {
+        return level.isSolid(i) ? std::optional(level.voxels[i]) : std::nullopt;
+    };
+    addGrids(level.layout, level.grid, matter, result);
     if (!constants.empty()) addDirectional(level, constants, result);
     if (reference && !result.history.empty() && shiftTo(*reference->density, level.grid))
         PhotoReference(*reference, level.grid, level.layout)

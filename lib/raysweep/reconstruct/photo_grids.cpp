@@ -4,25 +4,25 @@
 
 namespace raysweep {
 
-void addGrids(const PhotoLevel& level, PhotoReconstruction& result) {
-    const auto transform = level.grid.transform();
+void addGrids(const CompositeLayout& layout, const ReconstructionGrid& grid, const VoxelAt& voxelAt,
+              PhotoReconstruction& result) {
+    const auto transform = grid.transform();
+    const auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
     result.density = openvdb::FloatGrid::create(0);
     result.density->setName("density");
     result.density->setGridClass(openvdb::GRID_FOG_VOLUME);
     result.density->setTransform(transform);
-    const auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
     color->setTransform(transform);
     auto toDensity = result.density->getAccessor();
     auto toColor = color->getAccessor();
-    for (std::size_t b = 1; b < level.layout.brickCount(); ++b)
+    for (std::size_t b = 1; b < layout.brickCount(); ++b)
         for (int i = 0; i < 512; ++i) {
-            const Index3 within(i >> 6, i >> 3 & 7, i & 7), at = level.layout.origins[b] + within;
-            if (!isSet(level.layout.masks[b], within.x, within.y, within.z)) continue;
-            const std::size_t n = b * 512 + std::size_t(i);
-            const CompositeVoxel& voxel = level.voxels[n];
+            const std::optional<CompositeVoxel> voxel = voxelAt(b * 512 + std::size_t(i));
+            if (!voxel) continue;
+            const Index3 at = layout.origins[b] + Index3(i >> 6, i >> 3 & 7, i & 7);
             const openvdb::Coord place(at.x, at.y, at.z);
-            if (level.isSolid(n)) toDensity.setValue(place, float(voxel.extinction / level.grid.spacing));
-            toColor.setValue(place, openvdb::Vec3s(voxel.red, voxel.green, voxel.blue));
+            toDensity.setValue(place, float(voxel->extinction / grid.spacing));
+            toColor.setValue(place, openvdb::Vec3s(voxel->red, voxel->green, voxel->blue));
         }
     result.opacity = opacityGrid(*result.density);
     result.color = extendedColor(*color, *result.density);
@@ -47,6 +47,18 @@ void addDirectional(const PhotoLevel& level, const std::vector<CompositeVoxel>& 
     openvdb::Vec3SGrid::Ptr* const grids[] = {&result.directional.x, &result.directional.y, &result.directional.z};
     for (int axis = 0; axis < 3; ++axis)
         *grids[axis] = gridOf(names[axis], [&](std::size_t i) { return level.slopes[i].of[axis]; });
+}
+
+std::vector<MaskedBrick> bricksOf(const openvdb::FloatGrid& grid, const openvdb::Coord& origin) {
+    std::vector<MaskedBrick> bricks;
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+        const openvdb::Coord low = leaf->origin() - origin;
+        MaskedBrick brick{Index3(low.x(), low.y(), low.z()), {}};
+        for (auto on = leaf->cbeginValueOn(); on; ++on)
+            brick.mask[on.pos() >> 6] |= std::uint64_t(1) << (on.pos() & 63);
+        bricks.push_back(brick);
+    }
+    return bricks;
 }
 
 }  // namespace raysweep

@@ -37,7 +37,7 @@ class Interpolated {
             for (int axis = 0; axis < 3; ++axis) inside &= voxel[axis] >= 0 && voxel[axis] < level_.grid.dims[axis];
             if (!inside) continue;
             const std::size_t i = level_.layout.voxel(voxel);
-            if (!isSet(level_.layout.masks[i >> 9], int(i >> 6 & 7), int(i >> 3 & 7), int(i & 7))) continue;
+            if (!level_.layout.keeps(i)) continue;
             const CompositeVoxel& v = level_.voxels[i];
             sum.extinction += weight * v.extinction;
             sum.red += weight * v.red;

@@ -1,15 +1,11 @@
 #include "raysweep/reconstruct/photo_pieces.h"
 
+#include "raysweep/core/shuffle.h"
+
 #include <algorithm>
-#include <utility>
 
 namespace raysweep {
 namespace {
-
-template <class Item>
-void shuffle(std::vector<Item>& items, std::mt19937& random) {
-    for (std::size_t i = items.size(); i > 1; --i) std::swap(items[i - 1], items[random() % i]);
-}
 
 void addPieces(std::size_t first, std::size_t count, std::size_t most, std::vector<PixelPieces::Piece>& pieces) {
     const std::size_t parts = (count + most - 1) / most;

@@ -5,6 +5,8 @@
 
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
+#include "raysweep/core/shuffle.h"
+#include "raysweep/reconstruct/photo_grids.h"
 #include "raysweep/reconstruct/photo_hull.h"
 #include "raysweep/reconstruct/photo_reference.h"
 #include "raysweep/reconstruct/photo_room.h"
@@ -92,7 +94,7 @@ class PhotoSolver {
     void startFrom(const ColorVolume& initial) {
         forVoxelsIn(grid_, initial, "initial", [&](const Index3& at, const CompositeVoxel& voxel) {
             const std::size_t i = layout_.voxel(at);
-            if (!isSet(layout_.masks[i >> 9], at.x & 7, at.y & 7, at.z & 7)) return;
+            if (!layout_.keeps(i)) return;
             volume_[i] = additive_ ? matterOf(voxel) : voxel;
         });
     }
@@ -110,8 +112,7 @@ class PhotoSolver {
                 break;
             }
             const std::size_t place = std::size_t(n) % views;
-            if (place == 0)
-                for (std::size_t i = views; i > 1; --i) std::swap(order[i - 1], order[random() % i]);
+            if (place == 0) shuffle(order, random);
             update(pictures_[order[place]], n / int(views));
             if (place == views - 1) endPass();
             const int every = options_.historyEvery > 0 ? options_.historyEvery : int(views);
@@ -253,29 +254,6 @@ class PhotoSolver {
     ImageSum inPass_, sincePoint_;
 };
 
-void addGrids(const PhotoSolver& solver, const CompositeLayout& layout, const ReconstructionGrid& grid,
-              PhotoReconstruction& result) {
-    const auto transform = grid.transform();
-    const auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
-    result.density = openvdb::FloatGrid::create(0);
-    result.density->setName("density");
-    result.density->setGridClass(openvdb::GRID_FOG_VOLUME);
-    result.density->setTransform(transform);
-    color->setTransform(transform);
-    auto toDensity = result.density->getAccessor();
-    auto toColor = color->getAccessor();
-    for (std::size_t b = 1; b < layout.brickCount(); ++b)
-        for (int i = 0; i < 512; ++i) {
-            const CompositeVoxel voxel = solver.voxel(b * 512 + std::size_t(i));
-            if (!(voxel.extinction > 0)) continue;
-            const Index3 at = layout.origins[b] + Index3(i >> 6, i >> 3 & 7, i & 7);
-            toDensity.setValue(openvdb::Coord(at.x, at.y, at.z), float(voxel.extinction / grid.spacing));
-            toColor.setValue(openvdb::Coord(at.x, at.y, at.z), openvdb::Vec3s(voxel.red, voxel.green, voxel.blue));
-        }
-    result.opacity = opacityGrid(*result.density);
-    result.color = extendedColor(*color, *result.density);
-}
-
 }  // namespace
 
 void PhotoSartOptions::validate() const {
@@ -309,7 +287,11 @@ PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const 
     PhotoSolver solver({pictures, grid, options}, layout, result);
     if (volumes.initial) solver.startFrom(*volumes.initial);
     solver.run(known ? &*known : nullptr, progress);
-    addGrids(solver, layout, grid, result);
+    const VoxelAt matter = [&](std::size_t i) {
+        const CompositeVoxel voxel = solver.voxel(i);
+        return voxel.extinction > 0 ? std::optional(voxel) : std::nullopt;
+    };
+    addGrids(layout, grid, matter, result);
     result.timings.total = timer.seconds();
     result.timings.prepared = result.timings.total - result.timings.updates;
     return result;

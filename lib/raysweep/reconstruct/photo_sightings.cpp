@@ -1,5 +1,6 @@
 #include "raysweep/reconstruct/photo_sightings.h"
 
+#include "raysweep/core/directions.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/projector/composite.h"
 #include "raysweep/reconstruct/photo_views.h"
@@ -186,8 +187,7 @@ Guess refined(const Sightings& sightings, Guess best) {
     for (double step = kFirst; step > kLast; step *= 0.5)
         for (bool moved = true; moved;) {
             const Guess from = best;
-            const Vec3 beside = std::abs(from.light.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-            const Vec3 u = from.light.cross(beside).normalized(), v = from.light.cross(u);
+            const Vec3 u = from.light.cross(axisAside(from.light)).normalized(), v = from.light.cross(u);
             for (const Vec3& change : {u, v, u * -1.0, v * -1.0})
                 improve(best, guessFor(sightings, (from.light + change * step).normalized()));
             moved = best.explained > from.explained;

@@ -1,20 +1,14 @@
 #include "raysweep/reconstruct/photo_surfaces.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/reconstruct/photo_grids.h"
 
 namespace raysweep {
 
 PhotoSurfaces surfacesOf(const PhotoReconstruction& volume, const ReconstructionGrid& grid) {
     PhotoSurfaces to;
     to.grid = grid;
-    std::vector<MaskedBrick> bricks;
-    for (auto leaf = volume.density->tree().cbeginLeaf(); leaf; ++leaf) {
-        MaskedBrick brick{Index3(leaf->origin().x(), leaf->origin().y(), leaf->origin().z()), {}};
-        for (openvdb::Index i = 0; i < 512; ++i)
-            if (leaf->isValueOn(i)) brick.mask[i >> 6] |= std::uint64_t(1) << (i & 63);
-        bricks.push_back(brick);
-    }
-    to.layout = compositeLayout(grid.dims, bricks);
+    to.layout = compositeLayout(grid.dims, bricksOf(*volume.density, openvdb::Coord(0)));
     to.voxels.resize(to.layout.voxelCount());
     to.normals.resize(to.layout.voxelCount());
     for (std::size_t b = 1; b < to.layout.brickCount(); ++b) {

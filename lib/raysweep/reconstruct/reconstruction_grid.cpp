@@ -137,6 +137,20 @@ void ReconstructionGrid::validate() const {
     requireField(spacing > 0 && std::isfinite(spacing), "reconstruction grid spacing", spacing, "positive and finite");
 }
 
+std::optional<double> edgeOfCubes(const openvdb::math::Transform& transform) {
+    if (!transform.isLinear()) return {};
+    const double edge = transform.voxelSize().x();
+    const openvdb::Vec3d origin = transform.indexToWorld(openvdb::Vec3d(0.0));
+    for (int axis = 0; axis < 3; ++axis) {
+        openvdb::Vec3d step(0.0);
+        step[axis] = 1;
+        openvdb::Vec3d beside = transform.indexToWorld(step) - origin;
+        beside[axis] -= edge;
+        if (beside.length() > 1e-6 * edge) return {};
+    }
+    return edge;
+}
+
 ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry) {
     const OrbitFit orbit = fitOrbit(geometry);
     const Seen seen = seenOf(geometry, orbit);

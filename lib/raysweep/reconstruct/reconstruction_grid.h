@@ -40,6 +40,9 @@ struct ReconstructionGrid {
     void validate() const;
 };
 
+/// The edge of voxels that are cubes along the world's axes; nothing if they are not.
+std::optional<double> edgeOfCubes(const openvdb::math::Transform& transform);
+
 /// All that the detector sees of an object that turns: about the part of the axis that is seen, as wide as the rays at
 /// the detector's sides are away from the axis in any view; voxels as large as the smaller edge of a pixel is at the
 /// axis. @throw InvalidArgument if the views are not those of a turn about an axis, as fitOrbit, or if more than

@@ -1,5 +1,7 @@
 #include "raysweep/reconstruct/view_order.h"
 
+#include "raysweep/core/shuffle.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -53,9 +55,8 @@ std::vector<int> viewOrder(const ProjectionGeometry& geometry, ViewOrder order, 
     std::vector<int> views(geometry.views.size());
     std::iota(views.begin(), views.end(), 0);
     if (order == ViewOrder::sequential) return views;
-    // Own shuffle: the standard's differs from library to library.
     std::mt19937 random(seed + 7919u * std::uint32_t(pass));
-    for (std::size_t i = views.size(); i > 1; --i) std::swap(views[i - 1], views[random() % i]);
+    shuffle(views, random);
     return views;
 }
 

@@ -1,5 +1,6 @@
 #include "raysweep/render/rig.h"
 
+#include "raysweep/core/directions.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
@@ -17,7 +18,7 @@ struct Standing {
     Vec3 up, right, front;
 
     explicit Standing(const Vec3& axis) : up(axis.normalized()) {
-        const Vec3 beside = std::abs(up.x) < 0.9 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+        const Vec3 beside = axisAside(up);
         right = (beside - up * beside.dot(up)).normalized();
         front = right.cross(up);
     }

@@ -10,6 +10,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/projector/composite.h"
 #include "raysweep/reconstruct/photo_fit.h"
+#include "unit/reconstruct/ball_pictures.h"
 
 using namespace raysweep;
 
@@ -106,43 +107,22 @@ struct Ball {
     }
 };
 
-Photograph photographOf(const Ball& ball, const Vec3& place, int size) {
-    Camera camera;
-    camera.eye = place;
-    camera.width = camera.height = size;
-    Photograph photograph{"ball", photoCamera(camera), Image(size, size, 4)};
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            for (int i = 0; i < 9; ++i) {
-                const Ray ray = pixelRay(photograph.camera, x + (i % 3 + 0.5) / 3, y + (i / 3 + 0.5) / 3);
-                const double b = ray.origin.dot(ray.direction);
-                const double inside = b * b - (ray.origin.dot(ray.origin) - ball.radius * ball.radius);
-                const double chord = inside > 0 ? 2 * std::sqrt(inside) : 0;
-                const float alpha = float(1 - std::exp(-ball.extinction * chord)) / 9;
-                float* pixel = photograph.matte.at(x, y);
-                const auto color = ball.color(ray.direction);
-                for (std::size_t c = 0; c < 3; ++c) pixel[c] += alpha * float(color[c]);
-                pixel[3] += alpha;
-            }
-    return photograph;
-}
-
 std::vector<Photograph> photographsOf(const Ball& ball, int count, double turn = 0) {
     std::vector<Photograph> all;
-    for (int n = 0; n < count; ++n) {
-        const double z = 1 - (2 * n + 1.0) / count, r = std::sqrt(1 - z * z), angle = 2.399963 * n + turn;
-        all.push_back(photographOf(ball, Vec3(r * std::cos(angle), r * std::sin(angle), z) * 3.0, 48));
+    Camera camera;
+    camera.width = camera.height = 48;
+    for (const Vec3& place : test::placesAround(count, turn)) {
+        camera.eye = place;
+        all.push_back(test::ballPicture(
+            camera,
+            [&](const Ray& ray) { return 1 - std::exp(-ball.extinction * test::chordOf(ray, Vec3(0), ball.radius)); },
+            [&](const Ray& ray) { return ball.color(ray.direction); }));
     }
     return all;
 }
 
-PhotoFitOptions smallFit() {
-    PhotoFitOptions options;
-    options.resolution = 16;
-    options.levels = 1;
-    options.passes = 30;
-    options.raysPerUpdate = 2048;
-    options.box = Box3(Vec3(-1), Vec3(1));
+PhotoFitOptions directionalFit() {
+    PhotoFitOptions options = test::smallFit();
     options.sh = 1;
     options.smoothness = 3e-2;
     options.adaptSmoothness = false;
@@ -333,7 +313,7 @@ TEST(PhotoDirectional, StepLikeItsPlainTwin) {
 // wrong by. Pictures are met to 31.1 dB. Limits are 10 % (or .3 dB) above.
 TEST(PhotoDirectional, BallFromTwelveViews) {
     const Ball ball;
-    const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12), smallFit());
+    const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12), directionalFit());
     ASSERT_NE(result.directional.constant, nullptr);
     double mean = 0, directional = 0;
     std::vector<double> sums(5);
@@ -365,7 +345,7 @@ TEST(PhotoDirectional, BallFromTwelveViews) {
 
 TEST(PhotoDirectional, SameBitsForAnyThreads) {
     const std::vector<Photograph> photographs = photographsOf(Ball{}, 6);
-    PhotoFitOptions options = smallFit();
+    PhotoFitOptions options = directionalFit();
     options.passes = 2;
     options.levels = 2;
     options.resolution = 32;

@@ -13,6 +13,7 @@
 #include "raysweep/reconstruct/photo_loss.h"
 #include "raysweep/reconstruct/voxel_fit.h"
 #include "unit/instruction_sets.h"
+#include "unit/reconstruct/ball_pictures.h"
 #include "unit/reconstruct/photo_experiment.h"
 
 using namespace raysweep;
@@ -26,50 +27,21 @@ struct Ball {
     double extinction = 1.5;  ///< 1/world unit; light comes through, so that the inside is seen as well
     Color color{0.6f, 0.3f, 0.1f};
 
-    double chord(const Ray& ray) const {
-        const Vec3 from = ray.origin - center;
-        const double b = from.dot(ray.direction), inside = b * b - (from.dot(from) - radius * radius);
-        return inside > 0 ? 2 * std::sqrt(inside) : 0;
-    }
+    double alpha(const Ray& ray) const { return 1 - std::exp(-extinction * test::chordOf(ray, center, radius)); }
 };
 
-/// Seen from `position`, the world's origin in the middle; pixels are means of 3x3 rays.
-Photograph photographOf(const Ball& ball, const Vec3& position, int size) {
-    Camera camera;
-    camera.eye = position;
-    camera.fov = 40;
-    camera.width = camera.height = size;
-    Photograph photograph{"ball", photoCamera(camera), Image(size, size, 4)};
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            for (int i = 0; i < 9; ++i) {
-                const Ray ray = pixelRay(photograph.camera, x + (i % 3 + 0.5) / 3, y + (i / 3 + 0.5) / 3);
-                const float alpha = float(1 - std::exp(-ball.extinction * ball.chord(ray))) / 9;
-                float* pixel = photograph.matte.at(x, y);
-                for (int c = 0; c < 3; ++c) pixel[c] += alpha * ball.color[c];
-                pixel[3] += alpha;
-            }
-    return photograph;
-}
-
-/// Evenly around the ball (a Fibonacci lattice), at distance 3.
+/// The world's origin is in the middle.
 std::vector<Photograph> photographsOf(const Ball& ball, int count, int size) {
     std::vector<Photograph> all;
-    for (int n = 0; n < count; ++n) {
-        const double z = 1 - (2 * n + 1.0) / count, r = std::sqrt(1 - z * z), angle = 2.399963 * n;
-        all.push_back(photographOf(ball, Vec3(r * std::cos(angle), r * std::sin(angle), z) * 3.0, size));
+    Camera camera;
+    camera.fov = 40;
+    camera.width = camera.height = size;
+    for (const Vec3& place : test::placesAround(count)) {
+        camera.eye = place;
+        all.push_back(test::ballPicture(
+            camera, [&](const Ray& ray) { return ball.alpha(ray); }, [&](const Ray&) { return ball.color; }));
     }
     return all;
-}
-
-PhotoFitOptions smallFit() {
-    PhotoFitOptions options;
-    options.resolution = 16;
-    options.levels = 1;
-    options.passes = 30;
-    options.raysPerUpdate = 2048;
-    options.box = Box3(Vec3(-1), Vec3(1));
-    return options;
 }
 
 VoxelMask fullMask() {
@@ -298,7 +270,7 @@ TEST(PhotoHull, HoldsTheBall) {
 // that are left out by 50.2 dB after it; limits are 10 % (or .3 dB, for what instruction sets differ by) above.
 TEST(PhotoFit, BallFromTwelveViews) {
     const Ball ball;
-    const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12, 48), smallFit());
+    const PhotoReconstruction result = fitPhotographs(photographsOf(ball, 12, 48), test::smallFit());
     EXPECT_EQ(result.termination, PhotoTermination::iterations);
     ASSERT_FALSE(result.history.empty());
     EXPECT_LT(result.history.back().imageError, std::pow(10, -39.7 / 20));
@@ -321,7 +293,7 @@ TEST(PhotoFit, BallFromTwelveViews) {
 // Noise of which no picture knows the other's asks for a smoother volume than pictures without.
 TEST(PhotoFit, SmoothnessFollowsFromThePictures) {
     std::vector<Photograph> photographs = photographsOf(Ball{}, 12, 32);
-    PhotoFitOptions options = smallFit();
+    PhotoFitOptions options = test::smallFit();
     options.leftOut = 0.1;
     const double clean = fitPhotographs(photographs, options).smoothness;
     std::mt19937 random(5);
@@ -351,7 +323,7 @@ TEST(PhotoFit, WrongPoseComesBack) {
     std::vector<Photograph> photographs = truth;
     PhotoCamera& wrong = photographs[4].camera;
     wrong = moved(wrong, {wrong.down * (2 * kPi / 180), Vec3(0), 0}, wrong.position);
-    PhotoFitOptions options = smallFit();
+    PhotoFitOptions options = test::smallFit();
     options.levels = 2;
     options.resolution = 32;
     options.passes = 0.1;
@@ -369,7 +341,7 @@ TEST(PhotoFit, WrongPoseComesBack) {
 
 TEST(PhotoFit, SameBitsForAnyThreads) {
     const std::vector<Photograph> photographs = photographsOf(Ball{}, 6, 32);
-    PhotoFitOptions options = smallFit();
+    PhotoFitOptions options = test::smallFit();
     options.passes = 2;
     options.levels = 2;
     options.resolution = 32;
@@ -388,7 +360,7 @@ TEST(PhotoFit, SameBitsForAnyThreads) {
 
 TEST(PhotoFit, StopsWhenAsked) {
     int calls = 0;
-    const PhotoReconstruction result = fitPhotographs(photographsOf(Ball{}, 6, 32), smallFit(), nullptr,
+    const PhotoReconstruction result = fitPhotographs(photographsOf(Ball{}, 6, 32), test::smallFit(), nullptr,
                                                       [&](const std::string&, double) { return ++calls < 3; });
     EXPECT_EQ(result.termination, PhotoTermination::interrupted);
     EXPECT_GT(result.density->activeVoxelCount(), 0u);
@@ -396,17 +368,17 @@ TEST(PhotoFit, StopsWhenAsked) {
 
 TEST(PhotoFit, RefusesWhatItCannotUse) {
     const std::vector<Photograph> photographs = photographsOf(Ball{}, 3, 16);
-    PhotoFitOptions options = smallFit();
+    PhotoFitOptions options = test::smallFit();
     options.resolution = 20;
     EXPECT_THROW(fitPhotographs(photographs, options), InvalidArgument);
-    EXPECT_THROW(fitPhotographs({}, smallFit()), InvalidArgument);
+    EXPECT_THROW(fitPhotographs({}, test::smallFit()), InvalidArgument);
     std::vector<Photograph> opaque = photographs;
     opaque[1].matte = Image(16, 16, 3);
-    EXPECT_THROW(fitPhotographs(opaque, smallFit()), InvalidArgument);
+    EXPECT_THROW(fitPhotographs(opaque, test::smallFit()), InvalidArgument);
     std::vector<Photograph> larger = photographs;
     larger[1].matte = Image(32, 16, 4);
-    EXPECT_THROW(fitPhotographs(larger, smallFit()), InvalidArgument);
+    EXPECT_THROW(fitPhotographs(larger, test::smallFit()), InvalidArgument);
     std::vector<Photograph> empty = photographs;
     for (Photograph& photograph : empty) photograph.matte = Image(16, 16, 4);
-    EXPECT_THROW(fitPhotographs(empty, smallFit()), InvalidArgument);
+    EXPECT_THROW(fitPhotographs(empty, test::smallFit()), InvalidArgument);
 }
