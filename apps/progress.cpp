@@ -2,6 +2,7 @@
 #include "cli.h"
 
 #include <unistd.h>
+#include <cerrno>
 #include <csignal>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ void clearLine() {
 
 void say(const std::string& text) {
     if (isTerminal()) clearLine();
-    std::fprintf(stderr, "raysweep: %s\n", text.c_str());
+    std::fprintf(stderr, "%s: %s\n", program_invocation_short_name, text.c_str());
 }
 
 std::string timeLeft(double elapsed, double fraction) {

@@ -1,0 +1,177 @@
+#include "cube4/backprojector.h"
+
+#include "cube4/arithmetic.h"
+#include "cube4/delay_line.h"
+#include "cube4/fixed_point.h"
+#include "cube4/offer_across.h"
+#include "cube4/offer_along.h"
+#include "cube4/ray_along.h"
+#include "cube4/ray_update.h"
+#include "cube4/router.h"
+#include "cube4/sequencer.h"
+
+#include "raysweep/core/error.h"
+
+#include <array>
+#include <string>
+
+namespace raysweep::cube4 {
+namespace {
+
+template <class Arithmetic>
+class Machine {
+  public:
+    using Word = typename Arithmetic::Word;
+    using Weight = typename Arithmetic::Weight;
+
+    Machine(const Arithmetic& arithmetic, VoxelMemory<Word>& memory, const PassInput<Arithmetic>& input, int pipelines,
+            const PassOptions& options)
+        : arithmetic_(arithmetic),
+          memory_(memory),
+          input_(input),
+          options_(options),
+          pass_(input.setup.pass),
+          sequencer_(input.traversal, input.slices, pipelines, intervalOf(pass_, options)),
+          shape_(shapeOf(pipelines, sequencer_.parts(), input.traversal.reach > 0, pass_)),
+          buffer_(input.traversal, pipelines),
+          readVoxels_(std::size_t(pipelines)),
+          readRays_(std::size_t(pipelines)),
+          voxelsWait_(pipelines, 3),
+          rayAcross_(shape_),
+          rayAlong_(shape_),
+          exchange_(pipelines, input.setup),
+          writesWait_(pipelines, 1),
+          endingWait_(pipelines, 2),
+          offerAcross_(shape_),
+          offerAlong_(shape_),
+          rayUpdate_(pipelines, pass_),
+          router_(shape_) {
+        result_.leaving = RayPlane<Word>(input.traversal, input.slices);
+    }
+
+    PassResult<Word> run() {
+        while (!sequencer_.done() || underWay_ > 0) tick();
+        result_.raysEntered = buffer_.entered();
+        result_.rayWords = buffer_.raysPerPipeline() * std::size_t(shape_.rayWords);
+        result_.bufferWords = rayAlong_.bufferWords() + offerAlong_.bufferWords();
+        return std::move(result_);
+    }
+
+  private:
+    /// Cycles from one partial beam to the next.
+    static int intervalOf(Pass pass, const PassOptions& options) {
+        if (pass == Pass::project) return 1;
+        return options.overlap ? 2 : 4;
+    }
+
+    static StageShape shapeOf(int pipelines, int parts, bool linear, Pass pass) {
+        return {pipelines, parts, linear, pass == Pass::illuminate ? 1 : 2, pass == Pass::backproject ? 0 : 2};
+    }
+
+    /// From the last stage to the first, so that each still finds the registers of the one before it.
+    void tick() {
+        Counters& counters = result_.counters;
+        ++counters.cycles;
+        memory_.beginCycle();
+        buffer_.beginCycle();
+        writeRays();
+        router_.tick(rayUpdate_.out, rayUpdate_.rays, counters);
+        const Lanes<typename RayAcross<Arithmetic>::Rays>& ending = endingWait_.pass(exchange_.rays);
+        rayUpdate_.tick(arithmetic_, offerAlong_.out, ending, offerAlong_.offers, input_.traversal, buffer_,
+                        result_.leaving);
+        offerAlong_.tick(arithmetic_, offerAcross_.out, offerAcross_.offers, counters);
+        writeVoxels();
+        offerAcross_.tick(arithmetic_, exchange_.out, exchange_.offers, counters);
+        exchange_.tick(arithmetic_, rayAlong_.out, voxelsWait_.pass(readVoxels_), rayAlong_.rays);
+        rayAlong_.tick(arithmetic_, rayAcross_.out, rayAcross_.rays, counters);
+        rayAcross_.tick(arithmetic_, raysRead_, readRays_, counters);
+        raysRead_ = voxelsRead_;
+        if (raysRead_) buffer_.read(raysRead_, input_.traversal, input_.entering, readRays_, counters);
+        voxelsRead_ = sequencer_.out;
+        if (voxelsRead_) memory_.read(voxelsRead_, input_.traversal, readVoxels_, counters);
+        sequencer_.tick(router_.out(), counters);
+        if (sequencer_.out) ++underWay_;
+        if (options_.trace) record(*options_.trace);
+    }
+
+    void writeRays() {
+        const Beam<Weight>& beam = router_.out();
+        if (!beam) return;
+        --underWay_;
+        for (std::size_t lane = 0; lane < router_.rays().size(); ++lane) {
+            const FinishedRay<Word>& ray = router_.rays()[lane];
+            if (ray.slot >= 0) buffer_.write(lane, ray.slot, ray.ray, result_.counters);
+        }
+    }
+
+    /// Where voxels and rays share a port, a cycle later: that is when it is free.
+    void writeVoxels() {
+        if (pass_ == Pass::project) return;
+        if (options_.overlap) {
+            if (exchange_.out) memory_.write(exchange_.out, input_.traversal, exchange_.voxels, result_.counters);
+            return;
+        }
+        const Lanes<Voxel<Word>>& waited = writesWait_.pass(exchange_.voxels);
+        if (toWrite_) memory_.write(toWrite_, input_.traversal, waited, result_.counters);
+        toWrite_ = exchange_.out;
+    }
+
+    void record(Trace& trace) const {
+        if (trace.cycles.size() >= trace.most) return;
+        trace.stages = {"sequencer", "voxels read",  "rays read",   "ray_across", "ray_along",
+                        "exchange",  "offer_across", "offer_along", "ray_update", "router"};
+        const std::array<const Beam<Weight>*, 10> beams = {
+            &sequencer_.out, &voxelsRead_,      &raysRead_,       &rayAcross_.out, &rayAlong_.out,
+            &exchange_.out,  &offerAcross_.out, &offerAlong_.out, &rayUpdate_.out, &router_.out()};
+        std::vector<TraceEntry> entries;
+        for (const Beam<Weight>* beam : beams)
+            entries.push_back(*beam ? TraceEntry{beam->slice->number, beam->row, beam->part} : TraceEntry{});
+        trace.cycles.push_back(std::move(entries));
+    }
+
+    const Arithmetic& arithmetic_;
+    VoxelMemory<Word>& memory_;
+    const PassInput<Arithmetic>& input_;
+    const PassOptions options_;
+    const Pass pass_;
+    PassResult<Word> result_;
+    int underWay_ = 0;  ///< partial beams that were issued and whose rays are not back
+
+    Sequencer<Weight> sequencer_;
+    StageShape shape_;
+    RayBuffer<Word> buffer_;
+    Beam<Weight> voxelsRead_, raysRead_, toWrite_;
+    Lanes<Voxel<Word>> readVoxels_;
+    Lanes<Ray<Word>> readRays_;
+    DelayLine<Voxel<Word>> voxelsWait_;
+    RayAcross<Arithmetic> rayAcross_;
+    RayAlong<Arithmetic> rayAlong_;
+    Exchange<Arithmetic> exchange_;
+    DelayLine<Voxel<Word>> writesWait_;
+    DelayLine<typename RayAcross<Arithmetic>::Rays> endingWait_;
+    OfferAcross<Arithmetic> offerAcross_;
+    OfferAlong<Arithmetic> offerAlong_;
+    RayUpdate<Arithmetic> rayUpdate_;
+    Router<Arithmetic> router_;
+};
+
+}  // namespace
+
+template <class Arithmetic>
+PassResult<typename Arithmetic::Word> runPass(const Arithmetic& arithmetic,
+                                              VoxelMemory<typename Arithmetic::Word>& memory,
+                                              const PassInput<Arithmetic>& input, int pipelines,
+                                              const PassOptions& options) {
+    auto result = Machine<Arithmetic>(arithmetic, memory, input, pipelines, options).run();
+    if (result.counters.conflicts > 0)
+        throw Error("memory modules were used " + std::to_string(result.counters.conflicts) +
+                    " times more than once in a cycle");
+    return result;
+}
+
+template PassResult<float> runPass(const FloatArithmetic&, VoxelMemory<float>&, const PassInput<FloatArithmetic>&, int,
+                                   const PassOptions&);
+template PassResult<FixedPoint::Word> runPass(const FixedPoint&, VoxelMemory<FixedPoint::Word>&,
+                                              const PassInput<FixedPoint>&, int, const PassOptions&);
+
+}  // namespace raysweep::cube4

@@ -1,0 +1,80 @@
+#include "cube4/base_plane.h"
+
+#include "raysweep/core/error.h"
+
+#include <cmath>
+
+namespace raysweep::cube4 {
+namespace {
+
+constexpr double kWhole = 1e-6;  ///< pixels, voxels: what is this close to a whole number is one
+
+double snapped(double value) {
+    const double whole = std::round(value);
+    return std::abs(value - whole) < kWhole ? whole : value;
+}
+
+Matrix3 rows(const Vec3& a, const Vec3& b, const Vec3& c) {
+    return Matrix3(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z);
+}
+
+}  // namespace
+
+BasePlane::BasePlane(const MeasuredView& view, const DenseBox& box, const Vec3& origin, int pad) {
+    const Matrix3 memoryFromWorld = box.worldFromIndex.inverse();
+    memoryFromPixel_ =
+        rows(view.column * memoryFromWorld, view.row * memoryFromWorld, view.direction.normalized() * memoryFromWorld);
+    if (!(std::abs(memoryFromPixel_.determinant()) > 0))
+        throw InvalidArgument("a view's rays run along its detector, or its pixels have no area");
+    pixelFromMemory_ = memoryFromPixel_.inverse();
+    originInMemory_ = (view.origin - origin) * memoryFromWorld + Vec3(double(pad));
+
+    direction_.alongIndex = view.direction.normalized() * memoryFromWorld;
+    // Where the first pixel's ray meets the first slice: the lattice is to have a ray there.
+    const Index3 memory = box.size() + Index3(2 * pad);
+    const Traversal traversal =
+        traverse(memory, {Index3(pad), Index3(pad) + box.size()}, direction_, Resampling::linear);
+    const double slice = traversal.memoryCoordinate(traversal.major, 0);
+    const double along = (slice - originInMemory_[traversal.major]) / direction_.alongIndex[traversal.major];
+    const auto offset = [&](int axis) {
+        const double at = snapped(originInMemory_[axis] + along * direction_.alongIndex[axis]);
+        return at - std::floor(at);
+    };
+    direction_.offsetU = offset(traversal.axisU);
+    direction_.offsetV = offset(traversal.axisV);
+}
+
+Imath::V2d BasePlane::pixelOf(const Traversal& traversal, double u, double v, int k) const {
+    Vec3 memory;
+    const double sense = traversal.descending ? -1 : 1;
+    memory[traversal.axisU] = traversal.origin[traversal.axisU] + sense * u;
+    memory[traversal.axisV] = traversal.origin[traversal.axisV] + sense * v;
+    memory[traversal.major] = traversal.origin[traversal.major] + sense * k;
+    const Vec3 pixel = (memory - originInMemory_) * pixelFromMemory_;
+    return {snapped(pixel.x), snapped(pixel.y)};
+}
+
+Imath::V2d BasePlane::positionOf(const Traversal& traversal, double column, double row, int k) const {
+    Vec3 memory = originInMemory_ + Vec3(column, row, 0) * memoryFromPixel_;
+    const double slice = traversal.memoryCoordinate(traversal.major, k);
+    memory += direction_.alongIndex * ((slice - memory[traversal.major]) / direction_.alongIndex[traversal.major]);
+    const double sense = traversal.descending ? -1 : 1;
+    return {snapped(sense * (memory[traversal.axisU] - traversal.origin[traversal.axisU])),
+            snapped(sense * (memory[traversal.axisV] - traversal.origin[traversal.axisV]))};
+}
+
+float sampleOf(const std::vector<float>& values, int width, int height, const Imath::V2d& at) {
+    const double left = std::floor(at.x), below = std::floor(at.y);
+    const double x = at.x - left, y = at.y - below;
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        const double weight = (i & 1 ? x : 1 - x) * (i & 2 ? y : 1 - y);
+        if (!(weight > 0)) continue;
+        const double column = left + (i & 1), row = below + (i >> 1);
+        if (!(column >= 0 && column < width && row >= 0 && row < height)) return std::nanf("");
+        sum += weight * double(values[std::size_t(row) * std::size_t(width) + std::size_t(column)]);
+    }
+    return float(sum);
+}
+
+}  // namespace raysweep::cube4

@@ -1,0 +1,26 @@
+/// What the machine counts while it runs. Nothing here is computed from sizes.
+#pragma once
+
+#include <cstdint>
+
+namespace raysweep::cube4 {
+
+struct Counters {
+    std::uint64_t cycles = 0;
+    std::uint64_t stalls = 0;     ///< cycles in which a beam could not be issued because its rays were not back yet
+    std::uint64_t beams = 0;      ///< partial beams issued
+    std::uint64_t conflicts = 0;  ///< accesses of a memory module beyond one in a cycle
+    std::uint64_t voxelReads = 0, voxelWrites = 0;
+    std::uint64_t rayReads = 0, rayWrites = 0;
+    std::uint64_t wordsOn = 0;    ///< words handed to the next pipeline of the ring, in the order of the pass
+    std::uint64_t wordsBack = 0;  ///< to the one before
+
+    Counters& operator+=(const Counters& o) {
+        cycles += o.cycles, stalls += o.stalls, beams += o.beams, conflicts += o.conflicts;
+        voxelReads += o.voxelReads, voxelWrites += o.voxelWrites, rayReads += o.rayReads, rayWrites += o.rayWrites;
+        wordsOn += o.wordsOn, wordsBack += o.wordsBack;
+        return *this;
+    }
+};
+
+}  // namespace raysweep::cube4

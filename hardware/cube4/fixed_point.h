@@ -1,0 +1,88 @@
+/// Integers of given widths, as hardware computes: products are exact, and each is rounded once to the width it is kept
+/// in.
+#pragma once
+
+#include "cube4/words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace raysweep::cube4 {
+
+enum class Rounding {
+    truncate,   ///< bits below the last are dropped: towards minus infinity, as an arithmetic shift does
+    nearest,    ///< half is added before: to the nearest, halves up
+    stochastic  ///< a random number below one unit is added before: right on average
+};
+
+/// Widths, bits. Powers of voxels, rays and sums have one unit; sums have more bits above it.
+struct NumberFormat {
+    int scalar = 16;  ///< extinction, by which tables are looked up, or the value that is reconstructed; [4,24]
+    int energy = 16;  ///< unshot power, power of a ray; correction of a ray, with its sign; [4,31]
+    int part = 12;    ///< fraction of opacities, of effective albedos and of what is shot; [4,24]
+    int weight = 12;  ///< fraction of interpolation weights; [4,24]
+    int sum = 40;     ///< deposits and line integrals as they are added up; [4,48]
+    Rounding rounding = Rounding::nearest;
+    std::uint32_t seed = 1;  ///< of `stochastic`
+
+    /// @throw InvalidArgument naming the width and its bounds.
+    void validate() const;
+};
+
+class FixedPoint {
+  public:
+    using Word = std::int64_t;
+    using Weight = std::int64_t;
+
+    static constexpr bool kExact = false;
+    static constexpr int kRelaxationBits = 16;  ///< fraction bits of λ
+
+    explicit FixedPoint(const NumberFormat& format) : format_(format), random_(format.seed * 2654435769u | 1u) {}
+
+    const NumberFormat& format() const { return format_; }
+    Weight weight(double part) const { return Weight(std::lround(std::ldexp(part, format_.weight))); }
+    Word mix(const Between<Weight>& weights, Word low, Word high) const {
+        return shifted(weights.low * low + weights.high * high, format_.weight);
+    }
+    Word mixParts(const Between<Weight>& weights, Word low, Word high) const { return mix(weights, low, high); }
+    Word partOf(Word power, Word part) const { return shifted(power * part, format_.part); }
+    /// Of powers; saturates.
+    Word add(Word a, Word b) const { return std::min(a + b, largest(format_.energy)); }
+    Word accumulate(Word sum, Word more) const { return std::min(sum + more, largest(format_.sum)); }
+    Word subtract(Word a, Word b) const { return a - b; }
+    Word corrected(Word x, const Ray<Word>& mean, const Ray<Word>& bounds, Word relaxation) const {
+        // λ / weight, as a table for the weight gives it.
+        const Word factor = ((relaxation << format_.weight) + mean.weight / 2) / mean.weight;
+        return std::clamp(x + shifted(mean.value * factor, kRelaxationBits), bounds.value, bounds.weight);
+    }
+    /// A part of 1.
+    Word one() const { return Word(1) << format_.part; }
+
+    /// `value` / 2^bits, rounded.
+    Word shifted(Word value, int bits) const {
+        switch (format_.rounding) {
+            case Rounding::truncate:
+                return value >> bits;
+            case Rounding::nearest:
+                return (value + (Word(1) << (bits - 1))) >> bits;
+            default:
+                return (value + Word(nextRandom() & ((1u << bits) - 1))) >> bits;
+        }
+    }
+
+  private:
+    static Word largest(int bits) { return (Word(1) << bits) - 1; }
+    /// Marsaglia's xorshift, 32 bits.
+    std::uint32_t nextRandom() const {
+        random_ ^= random_ << 13;
+        random_ ^= random_ >> 17;
+        random_ ^= random_ << 5;
+        return random_;
+    }
+
+    NumberFormat format_;
+    mutable std::uint32_t random_;
+};
+
+}  // namespace raysweep::cube4

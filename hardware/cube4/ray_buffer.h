@@ -1,0 +1,130 @@
+// Compositing buffer: the rays between one slice and the next.
+//
+// Holds      of each pipeline the rays that it is to meet next, in a memory with a port for reading and one for writing
+//            (rendering reads and writes a ray in every cycle). A ray (u,v) of the lattice has the same address, and
+//            the pipeline that holds it moves with the slices (router.h).
+// Per cycle  in: a partial beam whose rays to read, finished rays to write; out: the rays that were read.
+// Latency    one cycle.
+//
+// An address is shared by p neighbours of a row. With one address more than a row needs, those at its two ends never
+// share one: rays that are finished at one end would take the places of rays that are still to be read at the other.
+//
+// Rays that enter the volume are not in the buffer: the address generator knows them by where they were a slice before.
+#pragma once
+
+#include "cube4/counters.h"
+#include "cube4/traversal.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace raysweep::cube4 {
+
+/// All rays of a pass by their lattice coordinates: what they carry when they enter, or when they leave.
+template <class Word>
+struct RayPlane {
+    int lowU = 0, lowV = 0, width = 0, height = 0;
+    std::vector<Ray<Word>> rays;
+
+    RayPlane() = default;
+    /// Room for all rays that a pass meets.
+    template <class Weight>
+    RayPlane(const Traversal& traversal, const std::vector<SliceSetup<Weight>>& slices) {
+        int leastU = 0, mostU = 0, leastV = 0, mostV = 0;
+        for (const SliceSetup<Weight>& slice : slices) {
+            leastU = std::min(leastU, slice.shiftU), mostU = std::max(mostU, slice.shiftU);
+            leastV = std::min(leastV, slice.shiftV), mostV = std::max(mostV, slice.shiftV);
+        }
+        lowU = -mostU, width = traversal.size.x - traversal.reach - leastU + mostU;
+        lowV = -mostV, height = traversal.size.y - traversal.reach - leastV + mostV;
+        rays.resize(std::size_t(width) * std::size_t(height));
+    }
+
+    Ray<Word>& at(int u, int v) { return rays[indexOf(u, v)]; }
+    const Ray<Word>& at(int u, int v) const { return rays[indexOf(u, v)]; }
+
+  private:
+    std::size_t indexOf(int u, int v) const {
+        return std::size_t(v - lowV) * std::size_t(width) + std::size_t(u - lowU);
+    }
+};
+
+template <class Word>
+class RayBuffer {
+  public:
+    RayBuffer(const Traversal& traversal, int pipelines)
+        : pipelines_(pipelines),
+          columns_((traversal.size.x + 2 * pipelines - 1) / pipelines),
+          rows_(traversal.size.y),
+          rays_(std::size_t(columns_) * std::size_t(rows_) * std::size_t(pipelines)),
+          readIn_(std::size_t(pipelines), 0),
+          writtenIn_(std::size_t(pipelines), 0) {}
+
+    /// Words of rays in each pipeline.
+    std::size_t raysPerPipeline() const { return std::size_t(columns_) * std::size_t(rows_); }
+
+    void beginCycle() { ++cycle_; }
+
+    /// Reads the rays whose lower voxels are those of `beam`; those that have just come in from `entering`.
+    template <class Weight>
+    void read(const Beam<Weight>& beam, const Traversal& traversal, const RayPlane<Word>& entering,
+              Lanes<Ray<Word>>& out, Counters& counters) {
+        const SliceSetup<Weight>& slice = *beam.slice;
+        const int lastU = traversal.size.x - 1 - traversal.reach, lastV = traversal.size.y - 1 - traversal.reach;
+        const int wasV = beam.row - slice.fromV;
+        const bool newRow = slice.first || wasV < 0 || wasV > lastV;
+        const RowAddress row = addressOf(beam.row, slice.shiftU, slice.shiftV);
+        forEachLane(beam, pipelines_, traversal.size.x, [&](std::size_t lane, int u) {
+            if (u > lastU || beam.row > lastV) {
+                out[lane] = {};
+                return;
+            }
+            const int was = u - slice.fromU;
+            if (newRow || was < 0 || was > lastU) {
+                out[lane] = entering.at(u - slice.shiftU, beam.row - slice.shiftV);
+                ++entered_;
+                return;
+            }
+            counters.conflicts += readIn_[lane] == cycle_;
+            readIn_[lane] = cycle_;
+            ++counters.rayReads;
+            out[lane] = rays_[std::size_t(row.slotOf(u)) * std::size_t(pipelines_) + lane];
+        });
+    }
+
+    /// Address of the ray at position (u, v) of `slice`.
+    struct RowAddress {
+        int base, shift, width, pipelines;
+        int slotOf(int u) const {
+            const int column = u - shift;
+            return base + (column < 0 ? column + width : column) / pipelines;
+        }
+    };
+    RowAddress addressOf(int row, int shiftU, int shiftV) const {
+        const int width = columns_ * pipelines_;
+        return {modulo(row - shiftV, rows_) * columns_, modulo(shiftU, width), width, pipelines_};
+    }
+
+    void write(std::size_t lane, int slot, const Ray<Word>& ray, Counters& counters) {
+        counters.conflicts += writtenIn_[lane] == cycle_;
+        writtenIn_[lane] = cycle_;
+        ++counters.rayWrites;
+        rays_[std::size_t(slot) * std::size_t(pipelines_) + lane] = ray;
+    }
+
+    std::uint64_t entered() const { return entered_; }
+
+  private:
+    static int modulo(int value, int by) {
+        const int rest = value % by;
+        return rest < 0 ? rest + by : rest;
+    }
+
+    int pipelines_, columns_, rows_;
+    std::vector<Ray<Word>> rays_;  ///< by address, then by pipeline
+    std::vector<std::uint64_t> readIn_, writtenIn_;
+    std::uint64_t cycle_ = 0, entered_ = 0;
+};
+
+}  // namespace raysweep::cube4

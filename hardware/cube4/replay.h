@@ -1,0 +1,60 @@
+/// A recorded run of `raysweep light` once more, in the dense machine, voxel by voxel compared.
+#pragma once
+
+#include "cube4/record.h"
+
+#include "raysweep/core/progress.h"
+
+#include <string>
+#include <vector>
+
+namespace raysweep::cube4 {
+
+/// How two fields agree.
+struct Agreement {
+    double rms = 0;     ///< RMS difference over the RMS of the software's; of active voxels
+    double worst = 0;   ///< largest difference, over the software's largest value
+    Index3 worstAt{0};  ///< its voxel
+    std::size_t voxels = 0;
+};
+
+/// @param theirs the software's; its grid's active voxels are compared
+Agreement compareFields(const DenseField& ours, const openvdb::GridBase& theirs, const DenseBox& box, int channel);
+
+/// The same of all voxels of two fields.
+Agreement compareFields(const DenseField& ours, const DenseField& theirs, const DenseBox& box);
+
+/// The worse of each of the two.
+Agreement worseOf(const Agreement& a, const Agreement& b);
+
+struct ReplaySetup {
+    int pipelines = 16;
+    bool overlap = true;
+    std::optional<NumberFormat> format;  ///< none: floats
+    Trace* trace = nullptr;
+};
+
+struct ReplayResult {
+    Agreement deposit, unshot;                ///< of the worst wavelength, to the software
+    Agreement depositToFloat, unshotToFloat;  ///< with a format: to the machine with floats
+    Agreement source;     ///< direct light of suns as the machine finds it; 0 voxels if there is none to compare
+    double rayPower = 0;  ///< largest relative difference of what the rays of a front carried at both ends
+    double balance = 0;   ///< (injected - absorbed - escaped - unshot) / injected, of what the machine holds
+    std::vector<DenseField> depositFields, radiosityFields;  ///< of each wavelength
+    double settledShare = 0;  ///< of the deposit that was settled on a coarser level, and taken from the record
+    int sweeps = 0;
+    bool complete = true;  ///< false: stopped by the progress callback
+    Counters counters;     ///< of all wavelengths
+    std::size_t passes = 0, bytesPerModule = 0, bufferBytes = 0;
+};
+
+/// Does all groups of the record. @throw InvalidArgument where the format cannot hold the powers
+ReplayResult replay(const IlluminationRecord& record, const ReplaySetup& setup, const ProgressCallback& progress = {});
+
+/// One wavelength of what a record says of the medium.
+DenseMedium mediumOf(const IlluminationRecord& record, int channel);
+
+/// @throw InvalidArgument unless `grid` is the volume that was lit
+void requireSameVolume(const IlluminationRecord& record, const openvdb::FloatGrid& grid);
+
+}  // namespace raysweep::cube4

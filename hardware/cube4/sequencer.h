@@ -1,0 +1,85 @@
+// Sequencer: the clock's program.
+//
+// Holds      the number of the next partial beam, and how far finished rays are back in the compositing buffer.
+// Per cycle  in: whether the last beam's rays are written; out: the control word of a partial beam, or a bubble.
+// Latency    one cycle.
+//
+// Beams follow each other along u, then v, then k, as Cube-4 reads them (paper, section 4). A beam is issued every
+// `interval` cycles: 1 where voxels are read only; 2 where they are written back, since a memory module is read or
+// written in a cycle; 4 where rays go through the same port. It waits for rays that it needs and that are still under
+// way from the slice before: a stall.
+#pragma once
+
+#include "cube4/counters.h"
+#include "cube4/traversal.h"
+
+namespace raysweep::cube4 {
+
+template <class Weight>
+class Sequencer {
+  public:
+    Sequencer(const Traversal& traversal, const std::vector<SliceSetup<Weight>>& slices, int pipelines, int interval)
+        : slices_(slices),
+          size_(traversal.size),
+          reach_(traversal.reach),
+          pipelines_(pipelines),
+          parts_((traversal.size.x + pipelines - 1) / pipelines),
+          interval_(interval) {}
+
+    /// @param back the last partial beam whose rays are back, in the order of issue
+    void tick(const Beam<Weight>& back, Counters& counters) {
+        if (back && back.part == parts_ - 1) {
+            backSlice_ = back.slice->number;
+            backRow_ = back.row;
+        }
+        out = {};
+        if (wait_ > 0) {
+            --wait_;
+            return;
+        }
+        if (done()) return;
+        if (!raysAreBack()) {
+            ++counters.stalls;
+            // The next chance to read is an interval later: memory modules have their fixed cycles for reading.
+            wait_ = interval_ - 1;
+            counters.stalls += std::uint64_t(wait_);
+            return;
+        }
+        const SliceSetup<Weight>& slice = slices_[std::size_t(slice_)];
+        out = {&slice, row_, part_, (part_ * pipelines_ + row_ + slice_) % pipelines_};
+        ++counters.beams;
+        wait_ = interval_ - 1;
+        advance();
+    }
+
+    bool done() const { return slice_ == size_.z; }
+    int parts() const { return parts_; }
+
+    Beam<Weight> out;
+
+  private:
+    void advance() {
+        if (++part_ < parts_) return;
+        part_ = 0;
+        if (++row_ < size_.y) return;
+        row_ = 0;
+        ++slice_;
+    }
+
+    /// The rays of this row were finished in the slice before at most `reach` rows later than where they were.
+    bool raysAreBack() const {
+        if (slice_ == 0) return true;
+        const int was = row_ - slices_[std::size_t(slice_)].fromV;
+        if (was < 0 || was >= size_.y - reach_) return true;  // they have just come in from the side
+        const int finished = was + reach_;
+        return backSlice_ > slice_ - 1 || (backSlice_ == slice_ - 1 && backRow_ >= finished);
+    }
+
+    const std::vector<SliceSetup<Weight>>& slices_;
+    Index3 size_;
+    int reach_, pipelines_, parts_, interval_;
+    int slice_ = 0, row_ = 0, part_ = 0, wait_ = 0;
+    int backSlice_ = -1, backRow_ = -1;
+};
+
+}  // namespace raysweep::cube4

@@ -1,0 +1,89 @@
+/// What moves through the machine: words of voxels and of rays, and the control word that goes with a partial beam.
+///
+/// Positions are those of a pass: (u, v) across the rays and k along them, each counted from 0 in the order in which
+/// the pass goes (traversal.h). The voxel (u, v, k) and the data that belong to it are in pipeline (u + v + k) mod p.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace raysweep::cube4 {
+
+/// One value for each pipeline.
+template <class T>
+using Lanes = std::vector<T>;
+
+/// A voxel as it is stored. What its words mean depends on the pass.
+template <class Word>
+struct Voxel {
+    Word scalar{};   ///< extinction; reconstructing: the value that is reconstructed
+    Word gain{};     ///< effective albedo; reconstructing: 1 where the voxel takes part, else 0
+    Word escape{};   ///< 1 / escape probability, which a table gives for the scalar; only where it is not 1
+    Word source{};   ///< power that a ray which passes injects
+    Word unshot{};   ///< U
+    Word deposit{};  ///< D
+    Word fresh{};    ///< what a group of directions has added to U so far
+};
+
+/// A ray as the compositing buffer holds it.
+template <class Word>
+struct Ray {
+    Word value{};   ///< power; projecting: sum of samples; backprojecting: correction
+    Word weight{};  ///< projecting: sum of weights; backprojecting: 1 if the ray counts
+};
+
+/// What a voxel has for rays: to be resampled to them.
+template <class Word>
+struct Offer {
+    Word part{};   ///< part of a ray that the voxel takes; projecting: 1 where the voxel takes part
+    Word given{};  ///< what the voxel gives; projecting: its value
+};
+
+/// Weights of two values that are interpolated.
+template <class Weight>
+struct Between {
+    Weight low{}, high{};
+};
+
+/// What is the same for all rays in a slice.
+template <class Weight>
+struct SliceSetup {
+    int number = 0;              ///< k
+    int shiftU = 0, shiftV = 0;  ///< the ray (u, v) of the lattice is at voxel (u + shiftU, v + shiftV), or right above
+    int fromU = 0, fromV = 0;    ///< change of the shift since the slice before
+    int toU = 0, toV = 0;        ///< to the slice after
+    bool first = false, last = false;
+    Between<Weight> u, v;  ///< of the voxel below a ray, and the one above
+    int hops = 0;          ///< pipelines that a finished ray has to move on to be in place for the next slice
+};
+
+/// What stages are built for.
+struct StageShape {
+    int pipelines = 1;
+    int parts = 1;        ///< partial beams of a beam
+    bool linear = false;  ///< rays and voxels are interpolated; else each voxel has its ray, and stages pass them on
+    int rayWords = 1;     ///< words of a Ray that the pass uses
+    int offerWords = 2;   ///< of an Offer
+};
+
+/// The control word of a partial beam: p voxels of one beam, or fewer at its end.
+template <class Weight>
+struct Beam {
+    const SliceSetup<Weight>* slice = nullptr;  ///< null: a bubble
+    int row = 0;                                ///< v
+    int part = 0;                               ///< u = part p ... part p + p - 1
+    int first = 0;                              ///< pipeline of the beam's first voxel, (part p + v + k) mod p
+
+    explicit operator bool() const { return slice != nullptr; }
+};
+
+/// Calls `visit(lane, u)` for the voxels of a partial beam that lie within `width`.
+template <class Weight, class Visit>
+void forEachLane(const Beam<Weight>& beam, int pipelines, int width, const Visit& visit) {
+    const int begin = beam.part * pipelines, count = width - begin < pipelines ? width - begin : pipelines;
+    const int straight = count < pipelines - beam.first ? count : pipelines - beam.first;
+    for (int j = 0; j < straight; ++j) visit(std::size_t(beam.first + j), begin + j);
+    for (int j = straight; j < count; ++j) visit(std::size_t(j - straight), begin + j);
+}
+
+}  // namespace raysweep::cube4
