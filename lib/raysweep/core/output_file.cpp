@@ -52,13 +52,17 @@ OutputFile::~OutputFile() {
     if (!committed_) fs::remove(temporary_, ignored);
 }
 
-void OutputFile::commit() {
+void OutputFile::flush() {
     const int file = ::open(temporary_.c_str(), O_RDONLY);
     if (file < 0) fail(target_, std::strerror(errno));
     const int synced = ::fsync(file);
     const int why = errno;
     ::close(file);
     if (synced != 0) fail(target_, std::strerror(why));
+}
+
+void OutputFile::commit() {
+    flush();
     if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(target_, std::strerror(errno));
     committed_ = true;
 }

@@ -15,10 +15,15 @@ class OutputFile {
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
+    /// What it will be called.
+    const std::string& target() const { return target_; }
     /// Where to write; it ends with the target's extension, so that writers that choose a format by name can.
     const std::string& temporary() const { return temporary_; }
 
-    /// Flushes the temporary to the disk and renames it. @throw IoError if either fails (disk full, for instance).
+    /// Brings the temporary to the disk, so that of several files that belong together none is committed while another
+    /// may still fail. @throw IoError if that fails (disk full, for instance).
+    void flush();
+    /// Flushes the temporary and renames it. @throw IoError if either fails.
     void commit();
 
   private:

@@ -22,12 +22,16 @@ std::string bytesOfFile(const std::string& path, const std::string& wanted) {
     return bytes.str();
 }
 
-void writeText(const std::string& path, const std::string& text) {
-    OutputFile file(path);
+void writeText(OutputFile& file, const std::string& text) {
     std::ofstream out(file.temporary(), std::ios::binary);
     out << text;
     out.close();
-    if (!out) throw IoError("cannot write '" + path + "': writing failed; is the disk full?");
+    if (!out) throw IoError("cannot write '" + file.target() + "': writing failed; is the disk full?");
+}
+
+void writeText(const std::string& path, const std::string& text) {
+    OutputFile file(path);
+    writeText(file, text);
     file.commit();
 }
 

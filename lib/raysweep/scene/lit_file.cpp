@@ -1,7 +1,6 @@
 #include "raysweep/scene/lit_file.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/voxel_check.h"
 
 namespace raysweep {
@@ -34,16 +33,6 @@ void setMetadata(openvdb::GridBase& grid, const SceneFromFile& made, const LitRe
     // The grid `extinction` that goes with it is the whole of it.
     const double extinction = origin.ownExtinction ? 1 : made.scene.medium.extinctionScale;
     grid.insertMeta(kExtinctionKey, openvdb::DoubleMetadata(extinction));
-}
-
-/// What was lit as a grid to be written.
-openvdb::FloatGrid::Ptr extinctionGrid(const Medium& medium) {
-    const openvdb::FloatGrid::Ptr grid = medium.density->deepCopy();
-    voxelizeTiles(*grid);
-    const auto scale = float(medium.extinctionScale);
-    if (scale != 1) forEachActive(*grid, [&](float& value, const openvdb::CoordBBox&) { value *= scale; });
-    grid->setName("extinction");
-    return grid;
 }
 
 /// Half floats end at 65504. @return number of voxels clamped

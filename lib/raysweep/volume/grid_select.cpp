@@ -100,12 +100,6 @@ FloatGrid::Ptr toFloat(const GridBase::Ptr& grid) {
     return openvdb::gridPtrCast<FloatGrid>(grid);
 }
 
-FloatGrid::Ptr findScalar(const VdbFile& file, const std::string& name) {
-    const GridBase::Ptr grid = find(file, name, isScalar, "float");
-    requireType(file, *grid, isScalar, "float");
-    return toFloat(grid);
-}
-
 const char* className(const GridBase& grid) {
     switch (grid.getGridClass()) {
         case openvdb::GRID_LEVEL_SET:
@@ -121,8 +115,14 @@ const char* className(const GridBase& grid) {
 
 }  // namespace
 
+FloatGrid::Ptr selectScalar(const VdbFile& file, const std::string& name) {
+    const GridBase::Ptr grid = find(file, name, isScalar, "float");
+    requireType(file, *grid, isScalar, "float");
+    return toFloat(grid);
+}
+
 FloatGrid::Ptr selectDensity(const VdbFile& file, const std::string& name) {
-    const FloatGrid::Ptr grid = findScalar(file, name);
+    const FloatGrid::Ptr grid = selectScalar(file, name);
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
         fail(file,
              "the grid " + quoted(grid->getName()) +
@@ -132,14 +132,14 @@ FloatGrid::Ptr selectDensity(const VdbFile& file, const std::string& name) {
 }
 
 FloatGrid::Ptr selectLevelSet(const VdbFile& file, const std::string& name) {
-    const FloatGrid::Ptr grid = findScalar(file, name);
+    const FloatGrid::Ptr grid = selectScalar(file, name);
     if (grid->getGridClass() != openvdb::GRID_LEVEL_SET)
         fail(file, "the grid " + quoted(grid->getName()) + " is not a level set", Remedy::isNoLevelSet);
     return levelSetToSolid(*grid);
 }
 
 FloatGrid::Ptr selectSolid(const VdbFile& file, const std::string& name) {
-    const FloatGrid::Ptr grid = findScalar(file, name);
+    const FloatGrid::Ptr grid = selectScalar(file, name);
     return grid->getGridClass() == openvdb::GRID_LEVEL_SET ? levelSetToSolid(*grid) : grid;
 }
 

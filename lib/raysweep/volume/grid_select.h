@@ -13,6 +13,9 @@ namespace raysweep {
 /// holds points, or is of another type.
 openvdb::FloatGrid::Ptr selectDensity(const VdbFile& file, const std::string& name = "");
 
+/// As selectDensity, but takes level sets, too, as they are.
+openvdb::FloatGrid::Ptr selectScalar(const VdbFile& file, const std::string& name = "");
+
 /// A scalar or colour grid (FloatGrid or Vec3SGrid), for albedo or emission, by name as in selectDensity; with an
 /// empty name the one called "density", else the only one. @throw InvalidArgument as selectDensity does.
 openvdb::GridBase::ConstPtr selectGrid(const VdbFile& file, const std::string& name);

@@ -17,4 +17,7 @@ struct Medium {
     bool solid = false;  ///< a classified solid, which has surfaces (a ramp, a table, a level set), not a fog
 };
 
+/// What light meets, as a grid "extinction", 1/world unit; tiles as voxels.
+openvdb::FloatGrid::Ptr extinctionGrid(const Medium& medium);
+
 }  // namespace raysweep

@@ -194,22 +194,26 @@ VdbFile readVdb(const std::string& path) {
     return file;
 }
 
-void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+void writeVdb(OutputFile& file, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
     initializeGrids();
-    OutputFile target(path);
     errno = 0;
-    std::ofstream out(target.temporary(), std::ios::binary | std::ios::trunc);
-    if (!out) failWrite(path, systemError());
+    std::ofstream out(file.temporary(), std::ios::binary | std::ios::trunc);
+    if (!out) failWrite(file.target(), systemError());
     out.exceptions(std::ios::failbit | std::ios::badbit);
     try {
         Archive().save(out, grids, metadata);
         out.close();
     } catch (const std::ios_base::failure&) {
-        failWrite(path, systemError() + "; the file was not written, and one that was there is unchanged");
+        failWrite(file.target(), systemError() + "; the file was not written, and one that was there is unchanged");
     } catch (const openvdb::Exception& e) {
-        failWrite(path, e.what());
+        failWrite(file.target(), e.what());
     }
-    target.commit();
+}
+
+void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+    OutputFile file(path);
+    writeVdb(file, grids, metadata);
+    file.commit();
 }
 
 }  // namespace raysweep

@@ -7,6 +7,8 @@
 
 namespace raysweep {
 
+class OutputFile;
+
 /// What a .vdb file holds.
 struct VdbFile {
     std::string path;           ///< where it was read from, for messages
@@ -23,6 +25,9 @@ VdbFile readVdb(const std::string& path);
 /// `path` is unharmed.
 /// @throw IoError if the folder does not exist or is read-only, `path` is a folder, or the disk is full.
 void writeVdb(const std::string& path, const openvdb::GridCPtrVec& grids,
+              const openvdb::MetaMap& metadata = openvdb::MetaMap());
+/// The same to a file that is yet to be committed.
+void writeVdb(OutputFile& file, const openvdb::GridCPtrVec& grids,
               const openvdb::MetaMap& metadata = openvdb::MetaMap());
 
 }  // namespace raysweep
