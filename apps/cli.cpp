@@ -1,7 +1,9 @@
 #include "cli.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/record_file.h"
 
 #include <nlohmann/json.hpp>
 
@@ -166,6 +168,18 @@ void requireFactor(double value, const std::string& option) {
 
 void requireFileOutput(const std::string& path, const std::string& option) {
     if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
+}
+
+void requireRecordName(const std::string& record, const std::vector<std::string>& others) {
+    namespace fs = std::filesystem;
+    if (lowerExtension(record) != ".json") usageError("--record", "'" + record + "' must end in .json");
+    const auto placeOf = [](const std::string& path) { return fs::absolute(path).lexically_normal(); };
+    for (const std::string& written : {record, recordedFields(record)})
+        for (const std::string& other : others)
+            if (!other.empty() && placeOf(other) == placeOf(written))
+                usageError("--record", "'" + written +
+                                           "' would be written, but is another file of this command; "
+                                           "choose another name");
 }
 
 std::string numberedName(const std::string& path, int number) {

@@ -50,6 +50,10 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// @throw CLI::ValidationError
 void requireFileOutput(const std::string& path, const std::string& option = "--output");
 
+/// Checks the name of --record: RUN.json, and neither that nor the RUN.vdb that goes with it is one of `others`, files
+/// that are read or written as well; empty names are passed over. @throw CLI::ValidationError
+void requireRecordName(const std::string& record, const std::vector<std::string>& others);
+
 /// `path` with _0001 and so on before its extension: one of a series of files.
 std::string numberedName(const std::string& path, int number);
 

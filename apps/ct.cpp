@@ -6,8 +6,10 @@
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/image_io.h"
+#include "raysweep/reconstruct/sart_record.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/middle_slices.h"
+#include "raysweep/volume/record_file.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/voxel_check.h"
 
@@ -145,6 +147,7 @@ void requireOutputs(const CtArguments& a) {
     requireWritable(a.output);
     if (!a.plot.empty()) requirePlot(a.plot);
     if (!a.slices.empty()) requireWritable(a.slices);
+    if (!a.record.empty()) requireRecord(a.record);
 }
 
 void write(const CtArguments& a, const openvdb::FloatGrid::Ptr& volume) {
@@ -168,6 +171,8 @@ int run(CtArguments& a) {
     }
     const double readSeconds = timer.seconds();
     comment(a, scan);
+    SartRecord record;
+    if (!a.record.empty()) a.reconstruct.sart.record = &record;
     const Reconstruction result = [&] {
         TerminalProgress progress(a.common);
         return reconstruct(scan, a.reconstruct, progress.callback());
@@ -179,6 +184,7 @@ int run(CtArguments& a) {
     }
 
     write(a, result.volume);
+    if (!a.record.empty()) writeRecord(a.record, record, scan);
     comment(a, result);
     writeReport(a.common, describe(a, scan, result, readSeconds, peak > before ? peak - before : 0));
     if (!a.slices.empty()) writeImage(a.slices, middleSlices(*result.volume, result.grid.dims));

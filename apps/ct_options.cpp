@@ -129,7 +129,7 @@ void requireFittingOptions(const CtArguments& a, const CLI::App& command) {
     if (method == Method::fbp) {
         for (const char* name :
              {"--iterations", "--relaxation", "--decay", "--order", "--subset", "--upper", "--tv", "--stop-residual",
-              "--support", "--support-threshold", "--initial", "--plot", "--history"})
+              "--support", "--support-threshold", "--initial", "--plot", "--history", "--record"})
             if (command.count(name) > 0) usageError(name, "is for iterative methods, not for " + a.method);
     } else if (a.initial != kFiltered && (command.count("--window") > 0 || command.count("--cutoff") > 0)) {
         usageError(command.count("--window") > 0 ? "--window" : "--cutoff", "is for fbp and fdk");
@@ -185,6 +185,9 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
                    "Updates from one point of the histories in report and plot to the next; 0: one a pass")
         ->capture_default_str();
     app.add_option("--slices", a.slices, "Slices through the middle, as a picture")->type_name("FILE.png|.exr");
+    app.add_option("--record", a.record,
+                   "Write all that it takes to make the same updates again, to this file and to RUN.vdb beside it")
+        ->type_name("RUN.json");
     app.option_defaults()->group("Options");
     addCommonOptions(app, a.common);
 }
@@ -196,6 +199,8 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
         usageError("--initial", "'" + a.initial + "' must be a .vdb file, or " + kFiltered);
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
         usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
+    if (!a.record.empty())
+        requireRecordName(a.record, {a.output, a.initial, a.reference, a.common.reportFile, a.geometry.options.file});
     completeScan(a);
     requireFittingOptions(a, command);
     completeReconstruction(a);

@@ -5,7 +5,11 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/illuminate/illumination_record.h"
 #include "raysweep/scene/lit_file.h"
+#include "raysweep/volume/checksum.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/record_file.h"
 #include "raysweep/volume/resample.h"
 
 #include <nlohmann/json.hpp>
@@ -220,10 +224,23 @@ void explain(const LightArguments& a, const SceneFromFile& scene) {
     writeReport(a.common, json);
 }
 
+/// Before work begins.
+void requireOutputs(const LightArguments& a) {
+    if (!a.explain) requireWritable(a.output);
+    if (!a.explain && !a.record.empty()) requireRecord(a.record);
+    if (!a.plot.empty()) requirePlot(a.plot);
+}
+
+/// With what tells the density in the file from others.
+void write(const LightArguments& a, const VdbFile& file, const SceneOrigin& origin, IlluminationRecord& record) {
+    record.density = origin.density;
+    record.checksum = checksum(*selectScalar(file, origin.density));
+    writeRecord(a.record, record);
+}
+
 int run(LightArguments& a) {
     const ThreadLimit limit = start(a.common);
-    if (!a.explain) requireWritable(a.output);
-    if (!a.plot.empty()) requirePlot(a.plot);
+    requireOutputs(a);
 
     Timer timer;
     const VdbFile file = withoutLight(readVdb(a.input));
@@ -242,11 +259,14 @@ int run(LightArguments& a) {
         };
     }
 
+    IlluminationRecord record;
+    if (!a.record.empty()) a.options.record = &record;
     const Illumination lit = solve(a, scene.scene);
     timer = Timer();
     openvdb::GridPtrVec grids{asWritten(a, scene.scene, lit.radiosity)};
     if (lit.unshot) grids.push_back(lit.unshot);
     write(a.output, a, scene, file, grids);
+    if (!a.record.empty()) write(a, file, scene.origin, record);
     const double writeSeconds = timer.seconds();
     comment(a, scene.origin, lit);
     writeReport(a.common, describe(a, scene, lit, readSeconds, writeSeconds));

@@ -150,6 +150,10 @@ void addOutputOptions(CLI::App& app, LightArguments& a) {
         ->check(CLI::Range(0, 1000000).description(""))
         ->type_name("N");
     app.add_option("--plot", a.plot, "Draw the convergence (needs gnuplot)")->type_name("FILE.svg|.png");
+    app.add_option("--record", a.record,
+                   "Write all that it takes to make the same sweeps again, to this file and to RUN.vdb beside it; not "
+                   "for scenes with surfaces or quads")
+        ->type_name("RUN.json");
     app.add_flag("--explain", a.explain, "Say what will be modelled and why, and stop; needs no -o");
 }
 
@@ -251,6 +255,7 @@ void addLightOptions(CLI::App& app, LightArguments& a) {
 
 void completeOptions(LightArguments& a, const CLI::App& command) {
     if (!a.explain || !a.output.empty()) requireFileOutput(a.output);
+    if (!a.record.empty()) requireRecordName(a.record, {a.input, a.output, a.common.reportFile, a.transfer.table});
     IlluminateOptions& o = a.options;
     if (!a.quality.empty()) o.tolerance = kQualities.at(a.quality);
     if (a.tolerance) o.tolerance = *a.tolerance;

@@ -20,10 +20,11 @@ constexpr int kGridChannels = kChannels<typename GridType::ValueType>;
 
 /// A grid of the leaves that `leafOf(n)` gives, several at a time; null for those that are not needed.
 template <class GridType, class LeafOfNumber>
-typename GridType::Ptr gridOfLeaves(const openvdb::FloatGrid& topology, std::size_t count, const LeafOfNumber& leafOf) {
+typename GridType::Ptr gridOfLeaves(const openvdb::math::Transform& transform, std::size_t count,
+                                    const LeafOfNumber& leafOf) {
     using Value = typename GridType::ValueType;
     auto grid = GridType::create(Value(0.0f));
-    grid->setTransform(topology.transform().copy());
+    grid->setTransform(transform.copy());
     std::vector<LeafOf<GridType>*> leaves(count, nullptr);
     parallelFor(
         count, [&](std::size_t n) { leaves[n] = leafOf(n); }, 16);
@@ -42,22 +43,41 @@ LeafOf<GridType>* makeLeaf(const Index3& origin, const BrickMask& on) {
 
 /// What the fields have at voxel `i` of brick `b`.
 template <class GridType>
-typename GridType::ValueType valueIn(const std::vector<BrickField>& fields, std::size_t b, std::size_t i) {
+typename GridType::ValueType valueIn(const BrickField* fields, std::size_t b, std::size_t i) {
     typename GridType::ValueType value;
-    for (int c = 0; c < kGridChannels<GridType>; ++c) channel(value, c) = fields[std::size_t(c)].brick(b)[i];
+    for (int c = 0; c < kGridChannels<GridType>; ++c) channel(value, c) = fields[c].brick(b)[i];
     return value;
+}
+
+/// The leaf of brick `b` with the voxels of `mask`; null if there are none.
+template <class GridType>
+LeafOf<GridType>* filledLeaf(const BrickLayout& layout, std::size_t b, const BrickMask& mask,
+                             const BrickField* fields) {
+    if (mask.isOff()) return nullptr;
+    auto* const leaf = makeLeaf<GridType>(layout.origins[b], mask);
+    auto* const values = leaf->buffer().data();
+    for (auto on = mask.beginOn(); on; ++on) values[on.pos()] = valueIn<GridType>(fields, b, on.pos());
+    return leaf;
 }
 
 template <class GridType>
 typename GridType::Ptr plainGrid(const BrickLayout& layout, const openvdb::FloatGrid& topology,
                                  const std::vector<BrickField>& fields) {
-    return gridOfLeaves<GridType>(topology, layout.brickCount(), [&](std::size_t b) -> LeafOf<GridType>* {
+    return gridOfLeaves<GridType>(topology.transform(), layout.brickCount(), [&](std::size_t b) -> LeafOf<GridType>* {
         const BrickMask mask = activeMask(layout, topology, b);
-        if (mask.isOff()) return nullptr;
-        auto* const leaf = makeLeaf<GridType>(layout.origins[b], mask);
-        auto* const values = leaf->buffer().data();
-        for (auto on = mask.beginOn(); on; ++on) values[on.pos()] = valueIn<GridType>(fields, b, on.pos());
-        return leaf;
+        return filledLeaf<GridType>(layout, b, mask, fields.data());
+    });
+}
+
+template <class GridType>
+typename GridType::Ptr sparseGrid(const BrickLayout& layout, const openvdb::math::Transform& transform,
+                                  const BrickField* fields) {
+    return gridOfLeaves<GridType>(transform, layout.brickCount(), [&](std::size_t b) -> LeafOf<GridType>* {
+        BrickMask mask;
+        for (int c = 0; c < kGridChannels<GridType>; ++c)
+            for (openvdb::Index i = 0; i < kBrickVoxels; ++i)
+                if (fields[c].brick(b)[i] != 0) mask.setOn(i);
+        return filledLeaf<GridType>(layout, b, mask, fields);
     });
 }
 
@@ -165,17 +185,9 @@ class Neighbourhood {
 };
 
 template <class GridType>
-LeafOf<GridType>* filledLeaf(const Known& known, std::uint32_t b) {
-    auto* const leaf = makeLeaf<GridType>(known.layout.origins[b], known.active[b]);
-    auto* const values = leaf->buffer().data();
-    for (std::size_t i = 0; i < kBrickVoxels; ++i) values[i] = valueIn<GridType>(known.fields, b, i);
-    return leaf;
-}
-
-template <class GridType>
 LeafOf<GridType>* extendedLeaf(const Known& known, const Index3& origin) {
     const std::uint32_t b = known.map.find(origin);
-    if (known.isComplete(b)) return filledLeaf<GridType>(known, b);
+    if (known.isComplete(b)) return filledLeaf<GridType>(known.layout, b, known.active[b], known.fields.data());
     const Neighbourhood<kGridChannels<GridType>> around(known, origin);
     auto* const leaf = makeLeaf<GridType>(origin, BrickMask());
     auto* const values = leaf->buffer().data();
@@ -184,7 +196,7 @@ LeafOf<GridType>* extendedLeaf(const Known& known, const Index3& origin) {
         if (!around.isOn(voxel)) continue;
         leaf->setValueOn(openvdb::Index(i));
         if (known.isKnown(b, i))
-            values[i] = valueIn<GridType>(known.fields, b, std::size_t(i));
+            values[i] = valueIn<GridType>(known.fields.data(), b, std::size_t(i));
         else
             for (int c = 0; c < kGridChannels<GridType>; ++c) channel(values[i], c) = around.mean(c, voxel);
     }
@@ -196,7 +208,7 @@ typename GridType::Ptr extendedGrid(const BrickLayout& layout, const openvdb::Fl
                                     const std::vector<BrickField>& fields) {
     const Known known(layout, topology, fields);
     const std::vector<Index3> origins = known.leafOrigins();
-    return gridOfLeaves<GridType>(topology, origins.size(),
+    return gridOfLeaves<GridType>(topology.transform(), origins.size(),
                                   [&](std::size_t n) { return extendedLeaf<GridType>(known, origins[n]); });
 }
 
@@ -206,6 +218,12 @@ openvdb::GridBase::Ptr gridFromFields(const BrickLayout& layout, const openvdb::
                                       const std::vector<BrickField>& fields) {
     if (fields.size() == 1) return plainGrid<openvdb::FloatGrid>(layout, topology, fields);
     return plainGrid<openvdb::Vec3SGrid>(layout, topology, fields);
+}
+
+openvdb::GridBase::Ptr sparseGridFromFields(const BrickLayout& layout, const openvdb::math::Transform& transform,
+                                            const BrickField* fields, int count) {
+    if (count == 1) return sparseGrid<openvdb::FloatGrid>(layout, transform, fields);
+    return sparseGrid<openvdb::Vec3SGrid>(layout, transform, fields);
 }
 
 openvdb::GridBase::Ptr extendedGridFromFields(const BrickLayout& layout, const openvdb::FloatGrid& topology,

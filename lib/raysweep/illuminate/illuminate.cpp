@@ -4,6 +4,7 @@
 #include "raysweep/illuminate/answer.h"
 #include "raysweep/illuminate/direct.h"
 #include "raysweep/illuminate/power_balance.h"
+#include "raysweep/illuminate/sweep_recorder.h"
 #include "raysweep/illuminate/sweeps.h"
 
 #include <utility>
@@ -16,6 +17,14 @@ double sweepsToReach(const BrickLayout& layout, std::size_t emitters) {
     if (emitters == 0) return 0;
     const double radius = 0.5 * Vec3(layout.high - layout.low).length();
     return 4 * kPi * radius * radius / double(emitters);
+}
+
+/// @throw InvalidArgument for what a record does not hold: normals, and rays that come in again.
+void requireRecordable(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
+    const auto refuse = [](const std::string& why) { throw about("record", InvalidArgument(why)); };
+    if (plan.surfaces) refuse("a scene with surfaces cannot be replayed; light it with `exchange` medium");
+    if (!scene.quads.empty()) refuse("quad lights, which shine to one side as surfaces do, cannot be replayed");
+    if (isPeriodic(options.periodic)) refuse("a periodic volume cannot be replayed");
 }
 
 void take(SweepRecord record, Illumination& result) {
@@ -38,6 +47,7 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
         throw InvalidArgument("a point light cannot be used in a periodic volume: it would repeat as well");
     Illumination result;
     result.plan = planIllumination(scene, options);
+    if (options.record) requireRecordable(scene, options, result.plan);
 
     Timer timer;
     SolverState state = prepareState(scene, options, result.plan);
@@ -51,6 +61,7 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
     result.invisibleEmitters = emitters.invisible;
     result.sweepsToReach = sweepsToReach(state.medium.volume.layout, emitters.voxels);
     result.seconds.direct = timer.seconds();
+    if (options.record) recordScene(*options.record, state, scene, options);
     if (!report(progress, "direct light", 1))
         result.termination = Termination::interrupted;
     else if (result.plan.sweeps && state.medium.volume.layout.brickCount() > 0)

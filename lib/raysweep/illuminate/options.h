@@ -28,6 +28,8 @@ enum class Exchange {
     paper       ///< Algorithm 1 as printed, with surfaces if the medium is solid
 };
 
+struct IlluminationRecord;
+
 struct IlluminateOptions {
     /// ζ, the part of a voxel's unshot power that leaves when K directions pass it together, ζ/K along each (a mean
     /// over directions); K is the most that may, see `beams`. (0,1]. Not given: 0.1 with a coarse start (0.2 where
@@ -63,6 +65,9 @@ struct IlluminateOptions {
     std::function<void(int sweep, openvdb::GridBase::Ptr radiosity)> snapshot;
     /// Called after every sweep with what its rays carried, W, for those who want to look closer.
     std::function<void(const Vec3& direction, const RaySums& totals)> afterSweep;
+    /// Filled with all that it takes to make the same sweeps again; null: nothing is recorded. Scenes with surfaces or
+    /// quad lights and periodic volumes cannot be.
+    IlluminationRecord* record = nullptr;
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;

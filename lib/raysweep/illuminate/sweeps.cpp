@@ -5,10 +5,12 @@
 #include "raysweep/illuminate/convergence.h"
 #include "raysweep/illuminate/power_balance.h"
 #include "raysweep/illuminate/radiosity.h"
+#include "raysweep/illuminate/sweep_recorder.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace raysweep {
@@ -86,7 +88,7 @@ class Solver {
         const std::vector<Vec3> directions = directions_.nextGroup(most);
         std::vector<Beam> beams;
         for (const Vec3& direction : directions) beams.push_back(nextBeam(direction, inject));
-        const ExchangeConstants constants = exchangeConstants(state_, zeta_, mostBeams_);
+        const ExchangeConstants constants = this->constants();
         const ExchangeFields fields = exchangeFields(state_, inject == Inject::everything);
         const std::vector<RaySums> sums = sweep(state_.medium.volume, beams, options_.interpolation, fields, constants);
         if (options_.interpolation == Interpolation::linear) settle(state_.medium.volume, beams, fields, constants);
@@ -97,10 +99,12 @@ class Solver {
             }
             if (options_.afterSweep) options_.afterSweep(directions[i], inWatts(sums[i]));
         }
+        if (options_.record) record(directions, beams, sums, inject);
         if (inject == Inject::everything) state_.power.injections += int(beams.size());
         return int(beams.size());
     }
 
+    ExchangeConstants constants() const { return exchangeConstants(state_, zeta_, mostBeams_); }
     /// Part of the unshot power of a voxel that a beam shoots, on average over directions.
     double shotByBeam() const { return zeta_; }
 
@@ -136,6 +140,19 @@ class Solver {
         for (int c = 0; c < state_.medium.channels; ++c)
             beam.entering[c] = float(double(scene_.sky.radiance[c]) * std::max(0.0, double(factor[c])) * 4 * kPi *
                                      beam.front.crossSection / state_.power.unit);
+    }
+
+    void record(const std::vector<Vec3>& directions, const std::vector<Beam>& beams, const std::vector<RaySums>& sums,
+                Inject inject) const {
+        RecordedGroup group;
+        group.inject = inject == Inject::everything;
+        group.unshot = unshotPower(state_);
+        for (std::size_t i = 0; i < beams.size(); ++i) {
+            const RayFront& front = beams[i].front;
+            group.beams.push_back({directions[i], front.column.offset, front.row.offset, {}, sums[i]});
+            std::copy_n(beams[i].entering, kMaxChannels, group.beams.back().entering);
+        }
+        options_.record->groups.push_back(std::move(group));
     }
 
     RaySums inWatts(RaySums totals) const {
@@ -234,6 +251,7 @@ std::unique_ptr<CoarseLevel> startFromCoarse(std::vector<Index3> bricks, SolverS
     onCoarse.tolerance = 0;
     onCoarse.snapshotEvery = 0;
     onCoarse.afterSweep = {};
+    onCoarse.record = nullptr;
     onCoarse.seed = job.options.seed + 1;
     const SweepRecord solution = runSweeps(coarse->state, {job.scene, onCoarse, [&](const std::string&, double) {
                                                                return report(job.progress, "coarse start", 0);
@@ -249,6 +267,7 @@ std::unique_ptr<CoarseLevel> startFromCoarse(std::vector<Index3> bricks, SolverS
 void settleOnCoarse(CoarseLevel& coarse, SolverState& state, double enough, const SweepJob& job, SweepRecord& record) {
     IlluminateOptions onCoarse = job.options;
     onCoarse.afterSweep = {};
+    onCoarse.record = nullptr;
     for (const int sign : {1, -1}) {
         coarse.takeChange(state, sign);
         // The same directions for both: their noise is the same.
@@ -272,6 +291,8 @@ SweepRecord runSweeps(SolverState& state, const SweepJob& job) {
     Solver solver(job.scene, options, state, paceOf(state, options, fromCoarse));
     std::unique_ptr<CoarseLevel> coarse;
     if (fromCoarse) coarse = startFromCoarse(std::move(coarseBricks), state, solver, job, record);
+    std::optional<SweepRecorder> recorder;
+    if (options.record) recorder.emplace(*options.record, state, job.scene).begin(solver.constants(), fromCoarse);
     record.coarseSeconds = timer.seconds();
     timer = Timer();
     record.termination = iterate(solver, state, job, record.history);
@@ -279,13 +300,14 @@ SweepRecord runSweeps(SolverState& state, const SweepJob& job) {
     timer = Timer();
     const bool shoot = options.remaining == Remaining::shoot, stopped = record.termination == Termination::interrupted;
     const double enough = options.unshotShare * solver.injectedSoFar();
-    if (coarse)
-        settleOnCoarse(*coarse, state, enough, job, record);
-    else if (shoot && !stopped)
-        record.finishingSweeps = shootRemaining(solver, state, enough, job.progress, record.termination);
+    const bool finish = !coarse && shoot && !stopped;
+    if (finish) record.finishingSweeps = shootRemaining(solver, state, enough, job.progress, record.termination);
+    if (recorder) recorder->end();
+    if (coarse) settleOnCoarse(*coarse, state, enough, job, record);
     // Asked to stop, spreading is the quickest way to an answer that has all the power.
-    else if (options.remaining != Remaining::drop)
+    else if (!finish && options.remaining != Remaining::drop)
         spreadRemaining(state);
+    if (recorder) recorder->settle(coarse != nullptr);
     record.finishSeconds = timer.seconds();
     record.sweeps = state.power.injections;
     return record;

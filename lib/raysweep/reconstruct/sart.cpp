@@ -7,6 +7,7 @@
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/footprint.h"
 #include "raysweep/reconstruct/grid_lattice.h"
+#include "raysweep/reconstruct/sart_record.h"
 #include "raysweep/reconstruct/support.h"
 #include "raysweep/reconstruct/total_variation.h"
 #include "raysweep/reconstruct/voxel_update.h"
@@ -90,6 +91,37 @@ void fillFrom(const openvdb::FloatGrid& given, const ReconstructionGrid& grid, c
     fillColumns(volume, given, *shift);
 }
 
+/// The voxels that are kept, as a grid in which they are 1.
+openvdb::FloatGrid::Ptr supportOf(const ColumnVolume& volume, const openvdb::math::Transform& transform) {
+    const ColumnLattice& lattice = volume.lattice();
+    const openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(0.0f);
+    grid->setTransform(transform.copy());
+    for (std::size_t t = 0; t < volume.blockCount(); ++t) {
+        const ColumnRange range = volume.ranges()[t];
+        if (range.length() == 0) continue;
+        const int x = volume.firstX(t), y = volume.firstY(t);
+        const Index3& dims = lattice.dims;
+        grid->tree().denseFill(
+            {lattice.gridIndex(x, y, range.low),
+             lattice.gridIndex(std::min(x + kBlockEdge, dims.x) - 1, std::min(y + kBlockEdge, dims.y) - 1,
+                               std::min(range.high, dims.z) - 1)},
+            1.0f);
+    }
+    return grid;
+}
+
+/// What is known before the first update. @param begun `volume` is not 0
+SartRecord recordStart(const ReconstructionGrid& grid, const SartOptions& options, const ColumnVolume& volume,
+                       bool begun) {
+    SartRecord record;
+    record.grid = grid;
+    record.options = options;
+    record.options.record = nullptr;
+    if (begun) record.initial = gridOf(volume, *grid.transform(), 0);
+    if (options.support == Support::automatic) record.support = supportOf(volume, *grid.transform());
+    return record;
+}
+
 /// What progress says of it.
 std::string howItGoes(const std::vector<SartPoint>& history) {
     if (history.empty()) return "";
@@ -159,11 +191,13 @@ class Solver {
             }
             const Timer timer;
             const auto from = order.begin() + first;
-            const ResidualSums sums = update({from, from + std::min(together, views - first)}, relaxation);
+            const std::vector<int> subset(from, from + std::min(together, views - first));
+            const ResidualSums sums = update(subset, relaxation);
             result_.seconds += timer.seconds();
             sums_ += sums;
             if (pass == 0) result_.raysUsed += std::size_t(sums.count);
             ++result_.updates;
+            if (options_.record) options_.record->updates.push_back({subset, relaxation});
             if (options_.historyEvery > 0 && result_.updates % options_.historyEvery == 0) addPoint();
         }
     }
@@ -250,8 +284,10 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
         reference.emplace(lattice);
         fillFrom(*volumes.reference, grid, "reference", *reference);
     }
+    if (options.record) *options.record = recordStart(grid, options, volume, volumes.initial != nullptr);
     Solver({projections, geometry, options}, volume, reference ? &*reference : nullptr, result).run(progress);
     result.volume = gridOf(volume, *grid.transform(), float(options.tolerance));
+    if (options.record) options.record->density = gridOf(volume, *grid.transform(), 0);
     return result;
 }
 

@@ -29,6 +29,8 @@ enum class Support {
     none        ///< all voxels of the grid
 };
 
+struct SartRecord;
+
 struct SartOptions {
     int iterations = 5;      ///< passes over all views, > 0
     int viewsPerUpdate = 1;  ///< views that correct the volume together: 1 SART, more OS-SART, 0 all of them SIRT; >= 0
@@ -45,6 +47,7 @@ struct SartOptions {
     double supportThreshold = 0.001;  ///< pixels at most this part of the largest line integral see nothing; in [0,1)
     int historyEvery = 0;             ///< updates from one point of the history to the next; 0: a pass; >= 0
     double tolerance = 0;             ///< voxels this close to 0 are left out of the result, 1/world unit, >= 0
+    SartRecord* record = nullptr;     ///< filled with what it takes to make the same updates again; null: not recorded
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;

@@ -89,6 +89,22 @@ ProjectionGeometry geometryFromJson(const std::string& text) {
     return geometry;
 }
 
+nlohmann::ordered_json jsonOfViews(const ProjectionGeometry& geometry) {
+    nlohmann::ordered_json views = nlohmann::ordered_json::array();
+    for (const XrayView& view : geometry.views) {
+        nlohmann::ordered_json entry;
+        if (geometry.beam == BeamShape::cone)
+            entry["source"] = arrayOf(view.source);
+        else
+            entry["direction"] = arrayOf(view.direction);
+        entry["origin"] = arrayOf(view.origin);
+        entry["column"] = arrayOf(view.column);
+        entry["row"] = arrayOf(view.row);
+        views.push_back(entry);
+    }
+    return views;
+}
+
 std::string jsonOf(const ProjectionGeometry& geometry) {
     const bool cone = geometry.beam == BeamShape::cone;
     const nlohmann::ordered_json detector = {{"width", geometry.width}, {"height", geometry.height}};
@@ -96,15 +112,7 @@ std::string jsonOf(const ProjectionGeometry& geometry) {
                        ",\n\"beam\": \"" + (cone ? "cone" : "parallel") + "\",\n\"detector\": " + detector.dump() +
                        ",\n\"views\": [";
     const char* separator = "\n";
-    for (const XrayView& view : geometry.views) {
-        nlohmann::ordered_json entry;
-        if (cone)
-            entry["source"] = arrayOf(view.source);
-        else
-            entry["direction"] = arrayOf(view.direction);
-        entry["origin"] = arrayOf(view.origin);
-        entry["column"] = arrayOf(view.column);
-        entry["row"] = arrayOf(view.row);
+    for (const auto& entry : jsonOfViews(geometry)) {
         text += separator + entry.dump();
         separator = ",\n";
     }
