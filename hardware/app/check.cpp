@@ -20,7 +20,9 @@ struct Arguments {
 };
 
 void addOptions(CLI::App& app, Arguments& a) {
-    app.add_option("input", a.input, "What raysweep light or raysweep ct has written")->required()->type_name("FILE.vdb");
+    app.add_option("input", a.input, "What raysweep light or raysweep ct has written")
+        ->required()
+        ->type_name("FILE.vdb");
     app.add_option("--replay", a.replay, "What --record wrote of that run")->required()->type_name("RUN.json");
     app.add_option("--max-rms", a.maxRms, "Exit code 1 if the RMS difference, relative, is above this")
         ->capture_default_str()

@@ -23,9 +23,10 @@ void addMachineOptions(CLI::App& app, MachineArguments& a) {
         ->capture_default_str()
         ->check(CLI::Range(1, kMostPipelines))
         ->type_name("P");
-    app.add_option("--format", a.format,
-                   "Numbers: float, or widths in bits: of energies, or SCALAR,ENERGY,PART,WEIGHT[,SUM] (part: opacities "
-                   "and albedos; weight: of interpolation; sum: deposits and line integrals)")
+    app.add_option(
+           "--format", a.format,
+           "Numbers: float, or widths in bits: of energies, or SCALAR,ENERGY,PART,WEIGHT[,SUM] (part: opacities "
+           "and albedos; weight: of interpolation; sum: deposits and line integrals)")
         ->capture_default_str()
         ->type_name("float|BITS");
     app.add_option("--rounding", a.rounding, "Rounding of products: truncate, nearest or stochastic")

@@ -23,7 +23,10 @@ MachineUse useOf(const cube4::ReplayResult& result, std::size_t voxels, double s
 
 nlohmann::ordered_json toJson(const cube4::Agreement& agreement) {
     const Index3& at = agreement.worstAt;
-    return {{"rms", agreement.rms}, {"worst", agreement.worst}, {"worst_at", {at.x, at.y, at.z}}, {"voxels", agreement.voxels}};
+    return {{"rms", agreement.rms},
+            {"worst", agreement.worst},
+            {"worst_at", {at.x, at.y, at.z}},
+            {"voxels", agreement.voxels}};
 }
 
 nlohmann::ordered_json describeReplay(const MachineArguments& a, const cube4::IlluminationRecord& record,

@@ -3,6 +3,8 @@
 #include "raysweep/core/require.h"
 #include "raysweep/core/shuffle.h"
 
+#include <ImathQuat.h>
+
 #include <cmath>
 #include <numeric>
 #include <random>
@@ -10,7 +12,7 @@
 namespace raysweep::cube4 {
 namespace {
 
-constexpr int kLook = 8;             ///< finishing sweeps between looks at what is left
+constexpr int kLook = 8;  ///< finishing sweeps between looks at what is left
 constexpr int kMostFinishing = 2000;
 
 /// Directions that are spread evenly over the sphere, in random order; batches turned at random about a random axis.
@@ -30,8 +32,8 @@ class Directions {
     void refill() {
         // A random rotation as a unit quaternion (Shoemake 1992).
         const double u = uniform(), a = 2 * kPi * uniform(), b = 2 * kPi * uniform();
-        const Imath::Quatd turn(std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b),
-                                std::sqrt(u) * std::cos(b));
+        const Imath::Quatd turn(std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a),
+                                std::sqrt(u) * std::sin(b), std::sqrt(u) * std::cos(b));
         const double golden = kPi * (3 - std::sqrt(5.0));
         for (int i = 0; i < batch_; ++i) {
             const double z = (2 * i + 1.0) / batch_ - 1, r = std::sqrt(1 - z * z);
@@ -47,7 +49,8 @@ class Directions {
 };
 
 double sumOf(const DenseField& field) {
-    return std::accumulate(field.begin(), field.end(), 0.0, [](double sum, float value) { return sum + double(value); });
+    return std::accumulate(field.begin(), field.end(), 0.0,
+                           [](double sum, float value) { return sum + double(value); });
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ struct ScriptedSweep {
 struct FreeRun {
     std::vector<ScriptedSweep> sweeps;  ///< as they were done: `repeat` does the same
     int injections = 0;
-    FrontPower power;           ///< of all rays
-    bool complete = true;       ///< false: stopped by the progress callback
+    FrontPower power;      ///< of all rays
+    bool complete = true;  ///< false: stopped by the progress callback
 };
 
 /// Adds the direct light of suns to `medium.source`.

@@ -131,9 +131,7 @@ class MachineOf : public Illumination::Machine {
         const NumberFormat format = setup_.format.value_or(NumberFormat{});
         return std::size_t(format.scalar + format.part + 2 * format.energy + format.sum);
     }
-    std::size_t bitsPerRay() const {
-        return setup_.format ? std::size_t(setup_.format->energy) : 8 * sizeof(Word);
-    }
+    std::size_t bitsPerRay() const { return setup_.format ? std::size_t(setup_.format->energy) : 8 * sizeof(Word); }
 
     /// Calls `visit(i, voxel)` for voxels of the box, i as in DenseBox.
     template <class Visit>

@@ -98,8 +98,8 @@ ReconstructionReplay replay(const ReconstructionRecord& record, const ReplaySetu
     result.seconds = timer.seconds();
     result.field = judged->volume();
     result.volume = compareFields(result.field, *fieldOf(record.file, "density"), record.box, 0);
-    result.alignedRays = std::all_of(views.begin(), views.end(),
-                                     [&](const MeasuredView& view) { return isAligned(view, record); });
+    result.alignedRays =
+        std::all_of(views.begin(), views.end(), [&](const MeasuredView& view) { return isAligned(view, record); });
     result.project = judged->projectCounters();
     result.backproject = judged->backprojectCounters();
     result.passes = result.residuals.size();

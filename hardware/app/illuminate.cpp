@@ -1,0 +1,228 @@
+/// raysweep-cube4 illuminate: light in a volume, by the machine alone or as a recorded run did it.
+#include "replay_report.h"
+#include "subcommands.h"
+
+#include "hints.h"
+
+#include "cube4/free_run.h"
+
+#include "raysweep/core/error.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/volume/classify.h"
+#include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/voxel_check.h"
+
+#include <nlohmann/json.hpp>
+
+#include <iostream>
+#include <memory>
+
+namespace raysweep::apps {
+namespace {
+
+struct Arguments {
+    MachineArguments machine;
+    std::string input, output, grid, replay, ramp;
+    std::vector<std::string> suns;
+    double extinction = 1, albedo = 0.9;
+    std::string interpolation = "nearest", exchange = "corrected";
+    cube4::SceneLight light;
+    cube4::IlluminationSetup setup;
+};
+
+void addOptions(CLI::App& app, Arguments& a) {
+    app.add_option("input", a.input, "Volume to light; with --replay, if given, it must be the one that was recorded")
+        ->type_name("IN.vdb");
+    auto* replay =
+        app.add_option("--replay", a.replay, "Does again what --record of raysweep light wrote, and compares")
+            ->type_name("RUN.json");
+    app.add_option("-o,--output", a.output, "Lit volume to write: density and radiosity")->type_name("OUT.vdb");
+    app.option_defaults()->group("Scene");
+    const auto own = [&](CLI::Option* option) { return option->excludes(replay)->capture_default_str(); };
+    own(app.add_option("--density", a.grid, "Grid to light (default: density)"))->type_name("NAME");
+    auto* extinction = own(app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit"));
+    own(app.add_option("--ramp", a.ramp, "Opacity 0 at LO, ALPHA (0.99) at HI, instead"))
+        ->excludes(extinction)
+        ->type_name("LO,HI[,ALPHA]");
+    own(app.add_option("--albedo", a.albedo, "Single-scattering albedo"))->check(CLI::Range(0.0, 1.0));
+    own(app.add_option("--sun", a.suns, "Directional light: direction of travel and irradiance; repeatable"))
+        ->allow_extra_args(false)
+        ->type_name("X,Y,Z,E");
+    own(app.add_option("--sky", a.light.sky, "Radiance from all sides"))->check(CLI::NonNegativeNumber);
+    app.option_defaults()->group("Iteration");
+    own(app.add_option("--sweeps", a.light.sweeps, "Sweeps that inject light"))->check(CLI::PositiveNumber);
+    own(app.add_option("--zeta", a.setup.zeta, "Part of its unshot power that a voxel shoots in a sweep"));
+    own(app.add_option("--interpolation", a.interpolation, "nearest or linear"))
+        ->check(CLI::IsMember({"nearest", "linear"}));
+    own(app.add_option("--exchange", a.exchange, "corrected, or paper: Algorithm 1 as printed"))
+        ->check(CLI::IsMember({"corrected", "paper"}));
+    addMachineOptions(app, a.machine);
+}
+
+void completeOptions(Arguments& a, const CLI::App& command) {
+    requireMachine(command, a.machine);
+    if (a.replay.empty()) {
+        if (a.input.empty()) usageError("input", "give a volume, or --replay RUN.json");
+        if (a.output.empty()) usageError("--output", "is required without --replay");
+    }
+    if (!a.output.empty()) requireFileOutput(a.output);
+    if (!a.output.empty() && a.input.empty()) usageError("--output", "needs the volume that was lit as input");
+    constexpr std::size_t kNumbers = 4;
+    for (const std::string& sun : a.suns) {
+        const std::vector<double> n = parseNumbers(sun, "--sun", kNumbers, kNumbers, "0,0,-1,3");
+        a.light.suns.push_back({Vec3(n[0], n[1], n[2]), n[3]});
+    }
+    a.light.seed = a.machine.common.seed;
+    a.setup.pipelines = a.machine.pipelines;
+    a.setup.overlap = !a.machine.noOverlap;
+    a.setup.resampling = a.interpolation == "linear" ? cube4::Resampling::linear : cube4::Resampling::nearest;
+    a.setup.rule = a.exchange == "paper" ? cube4::ExchangeRule::asPrinted : cube4::ExchangeRule::corrected;
+    requireValid(command, [&] {
+        a.setup.validate();
+        a.light.validate();
+    });
+}
+
+/// The volume that was asked for, as extinction.
+openvdb::FloatGrid::Ptr extinctionOf(const Arguments& a, const openvdb::FloatGrid& density, double& scale) {
+    scale = a.extinction;
+    if (a.ramp.empty()) {
+        checkVoxels(density, density.getName());
+        return density.deepCopy();
+    }
+    const std::vector<double> n = parseNumbers(a.ramp, "--ramp", 2, 3, "0.1,0.5 or 0.1,0.5,0.9");
+    scale = 1;
+    return classify(density, rampFunction(n[0], n[1], n.size() > 2 ? n[2] : kRampOpacity)).extinction;
+}
+
+void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid& topology, const cube4::DenseBox& box,
+              const cube4::DenseField& radiosity) {
+    openvdb::GridPtrVec grids;
+    for (const openvdb::GridBase::Ptr& grid : file.grids)
+        if (grid->getName() != "radiosity") grids.push_back(grid);
+    auto lit = cube4::sparseGrid(radiosity, box, topology);
+    lit->setName("radiosity");
+    grids.push_back(lit);
+    writeVdb(a.output, {grids.begin(), grids.end()});
+}
+
+int replayRecord(const Arguments& a, TerminalProgress& progress) {
+    const cube4::IlluminationRecord record = cube4::readIlluminationRecord(a.replay, a.machine.maxVoxels);
+    VdbFile file;
+    if (!a.input.empty()) {
+        file = readVdb(a.input);
+        cube4::requireSameVolume(record, *selectDensity(file, record.grid));
+    }
+    if (!a.output.empty() && record.channels != 1)
+        throw InvalidArgument(a.replay + ": three wavelengths; what the machine writes has one");
+    cube4::ReplaySetup setup;
+    setup.pipelines = a.machine.pipelines;
+    setup.overlap = !a.machine.noOverlap;
+    setup.format = parseFormat(a.machine);
+    cube4::Trace trace;
+    trace.most = a.machine.trace;
+    setup.trace = a.machine.trace > 0 ? &trace : nullptr;
+    const Timer timer;
+    const cube4::ReplayResult result = cube4::replay(record, setup, progress.callback());
+    if (!result.complete) {
+        message(a.machine.common, "stopped; nothing was written");
+        return kInterrupted;
+    }
+    const double seconds = timer.seconds();
+    showTrace(a.machine, trace);
+    printReplay(result);
+    printUse("machine", a.machine, useOf(result, record.box.voxels(), seconds));
+    if (!a.output.empty()) {
+        const auto extinction = cube4::fieldOf(record.file, "extinction");
+        writeLit(a, file, static_cast<const openvdb::FloatGrid&>(*extinction), record.box, result.radiosityFields[0]);
+    }
+    writeReport(a.machine.common, describeReplay(a.machine, record, result, seconds));
+    return kDone;
+}
+
+/// The machine by itself, in floats, and if a format was asked for, the same sweeps in that.
+struct OwnRun {
+    cube4::DenseMedium medium;
+    cube4::FreeRun run;
+    cube4::DenseField deposit;
+    cube4::Agreement toFloat;
+    MachineUse use;
+    bool complete = true;
+};
+
+OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, double scale, TerminalProgress& progress) {
+    OwnRun own;
+    own.medium.box = cube4::boxAround(extinction, a.machine.maxVoxels);
+    own.medium.extinction = cube4::denseField(extinction, own.medium.box);
+    for (float& value : own.medium.extinction) value = float(double(value) * scale);
+    own.medium.albedo.assign(own.medium.extinction.size(), float(a.albedo));
+    cube4::addDirectLight(own.medium, a.setup, a.light.suns);
+    double source = 0;
+    for (const float value : own.medium.source) source += double(value);
+
+    const Timer timer;
+    cube4::Illumination exact(own.medium, a.setup);
+    own.run = cube4::runFreely(exact, own.medium.box, source, a.light, progress.callback());
+    own.complete = own.run.complete;
+    const cube4::Illumination* judged = &exact;
+    std::optional<cube4::Illumination> rounded;
+    if (const auto format = parseFormat(a.machine); format && own.complete) {
+        cube4::IlluminationSetup setup = a.setup;
+        setup.format = format;
+        setup.largestPower = exact.largestPower();
+        rounded.emplace(own.medium, setup);
+        own.complete = cube4::repeat(own.run, *rounded, progress.callback());
+        own.toFloat = cube4::compareFields(rounded->deposit(), exact.deposit(), own.medium.box);
+        judged = &*rounded;
+    }
+    own.deposit = judged->deposit();
+    own.use = {judged->counters(),       judged->passes(),      own.medium.box.voxels(),
+               judged->bytesPerModule(), judged->bufferBytes(), timer.seconds()};
+    return own;
+}
+
+int runAlone(const Arguments& a, TerminalProgress& progress) {
+    const VdbFile file = readVdb(a.input);
+    const openvdb::FloatGrid::Ptr density = selectDensity(file, a.grid);
+    double scale = 1;
+    const openvdb::FloatGrid::Ptr extinction = extinctionOf(a, *density, scale);
+    const OwnRun own = runOwn(a, *extinction, scale, progress);
+    if (!own.complete) {
+        message(a.machine.common, "stopped; nothing was written");
+        return kInterrupted;
+    }
+    printUse("machine", a.machine, own.use);
+    writeLit(a, file, *extinction, own.medium.box,
+             cube4::radiosity(own.medium, a.setup, own.deposit, own.run.injections));
+    nlohmann::ordered_json report = describeMachine(a.machine, own.use);
+    report["sweeps"] = own.run.injections;
+    report["finishing_sweeps"] = int(own.run.sweeps.size()) - own.run.injections;
+    if (own.toFloat.voxels > 0) {
+        printAgreement("deposit, to floats", own.toFloat);
+        report["rms_against_float"] = own.toFloat.rms;
+    }
+    writeReport(a.machine.common, report);
+    return kDone;
+}
+
+int run(const Arguments& a) {
+    const ThreadLimit limit = start(a.machine.common);
+    initializeGrids();
+    if (!a.output.empty()) requireWritable(a.output);
+    TerminalProgress progress(a.machine.common);
+    return a.replay.empty() ? runAlone(a, progress) : replayRecord(a, progress);
+}
+
+}  // namespace
+
+void addCube4Illuminate(CLI::App& app, int& exitCode) {
+    CLI::App* command = app.add_subcommand("illuminate", "Light in a volume, swept by the machine");
+    const auto arguments = std::make_shared<Arguments>();
+    addOptions(*command, *arguments);
+    command->callback([arguments, command, &exitCode] {
+        completeOptions(*arguments, *command);
+        exitCode = run(*arguments);
+    });
+}
+
+}  // namespace raysweep::apps
