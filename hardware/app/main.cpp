@@ -12,6 +12,6 @@ int main(int argc, char** argv) {
     app.formatter(helpFormatter());
     readConfigFiles(app);
     int exitCode = kDone;
-    for (const auto add : {addCube4Illuminate, addCube4Reconstruct, addCube4Check}) add(app, exitCode);
+    for (const auto add : {addCube4Render, addCube4Illuminate, addCube4Reconstruct, addCube4Check}) add(app, exitCode);
     return runProgram(app, argc, argv, exitCode);
 }

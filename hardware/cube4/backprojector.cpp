@@ -12,7 +12,6 @@
 
 #include "raysweep/core/error.h"
 
-#include <array>
 #include <string>
 
 namespace raysweep::cube4 {
@@ -86,7 +85,7 @@ class Machine {
         rayAlong_.tick(arithmetic_, rayAcross_.out, rayAcross_.rays, counters);
         rayAcross_.tick(arithmetic_, raysRead_, readRays_, counters);
         raysRead_ = voxelsRead_;
-        if (raysRead_) buffer_.read(raysRead_, input_.traversal, input_.entering, readRays_, counters);
+        if (raysRead_) buffer_.read(raysRead_, 0, input_.traversal, input_.entering, readRays_, counters);
         voxelsRead_ = sequencer_.out;
         if (voxelsRead_) memory_.read(voxelsRead_, input_.traversal, readVoxels_, counters);
         sequencer_.tick(router_.out(), counters);
@@ -117,16 +116,16 @@ class Machine {
     }
 
     void record(Trace& trace) const {
-        if (trace.cycles.size() >= trace.most) return;
-        trace.stages = {"sequencer", "voxels read",  "rays read",   "ray_across", "ray_along",
-                        "exchange",  "offer_across", "offer_along", "ray_update", "router"};
-        const std::array<const Beam<Weight>*, 10> beams = {
-            &sequencer_.out, &voxelsRead_,      &raysRead_,       &rayAcross_.out, &rayAlong_.out,
-            &exchange_.out,  &offerAcross_.out, &offerAlong_.out, &rayUpdate_.out, &router_.out()};
-        std::vector<TraceEntry> entries;
-        for (const Beam<Weight>* beam : beams)
-            entries.push_back(*beam ? TraceEntry{beam->slice->number, beam->row, beam->part} : TraceEntry{});
-        trace.cycles.push_back(std::move(entries));
+        recordTrace<Weight>(trace, {{"sequencer", &sequencer_.out},
+                                    {"voxels read", &voxelsRead_},
+                                    {"rays read", &raysRead_},
+                                    {"ray_across", &rayAcross_.out},
+                                    {"ray_along", &rayAlong_.out},
+                                    {"exchange", &exchange_.out},
+                                    {"offer_across", &offerAcross_.out},
+                                    {"offer_along", &offerAlong_.out},
+                                    {"ray_update", &rayUpdate_.out},
+                                    {"router", &router_.out()}});
     }
 
     const Arithmetic& arithmetic_;
@@ -157,15 +156,19 @@ class Machine {
 
 }  // namespace
 
+void requireNoConflicts(const Counters& counters) {
+    if (counters.conflicts > 0)
+        throw Error("memory modules were used " + std::to_string(counters.conflicts) +
+                    " times more than once in a cycle");
+}
+
 template <class Arithmetic>
 PassResult<typename Arithmetic::Word> runPass(const Arithmetic& arithmetic,
                                               VoxelMemory<typename Arithmetic::Word>& memory,
                                               const PassInput<Arithmetic>& input, int pipelines,
                                               const PassOptions& options) {
     auto result = Machine<Arithmetic>(arithmetic, memory, input, pipelines, options).run();
-    if (result.counters.conflicts > 0)
-        throw Error("memory modules were used " + std::to_string(result.counters.conflicts) +
-                    " times more than once in a cycle");
+    requireNoConflicts(result.counters);
     return result;
 }
 

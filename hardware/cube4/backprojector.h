@@ -12,24 +12,14 @@
 
 #include "cube4/exchange.h"
 #include "cube4/ray_buffer.h"
+#include "cube4/trace.h"
 #include "cube4/traversal.h"
 #include "cube4/voxel_memory.h"
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 namespace raysweep::cube4 {
-
-/// Where each stage's partial beam is, cycle by cycle.
-struct TraceEntry {
-    int slice = -1, row = 0, part = 0;  ///< slice -1: a bubble
-};
-struct Trace {
-    std::size_t most = 0;                         ///< cycles to record
-    std::vector<std::string> stages;              ///< names, in the order of the flow
-    std::vector<std::vector<TraceEntry>> cycles;  ///< of each stage
-};
 
 struct PassOptions {
     /// Voxels and rays have ports of their own. Without, they share one, and what overlaps here follows each other.
@@ -55,6 +45,9 @@ struct PassResult {
     std::size_t rayWords = 0;     ///< of the compositing buffer, in each pipeline
     std::size_t bufferWords = 0;  ///< of beam buffers, in each pipeline
 };
+
+/// @throw Error if a memory module was used twice in a cycle
+void requireNoConflicts(const Counters& counters);
 
 /// Runs the clock until all voxels and rays are back.
 /// @throw Error if a memory module was used twice in a cycle

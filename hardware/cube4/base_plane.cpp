@@ -9,18 +9,19 @@ namespace {
 
 constexpr double kWhole = 1e-6;  ///< pixels, voxels: what is this close to a whole number is one
 
-double snapped(double value) {
-    const double whole = std::round(value);
-    return std::abs(value - whole) < kWhole ? whole : value;
-}
-
 Matrix3 rows(const Vec3& a, const Vec3& b, const Vec3& c) {
     return Matrix3(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z);
 }
 
 }  // namespace
 
-BasePlane::BasePlane(const MeasuredView& view, const DenseBox& box, const Vec3& origin, int pad) {
+double snapped(double value) {
+    const double whole = std::round(value);
+    return std::abs(value - whole) < kWhole ? whole : value;
+}
+
+BasePlane::BasePlane(const PixelRays& view, const DenseBox& box, const Vec3& origin, int pad, const ContentBox& content,
+                     double depth) {
     const Matrix3 memoryFromWorld = box.worldFromIndex.inverse();
     memoryFromPixel_ =
         rows(view.column * memoryFromWorld, view.row * memoryFromWorld, view.direction.normalized() * memoryFromWorld);
@@ -31,10 +32,9 @@ BasePlane::BasePlane(const MeasuredView& view, const DenseBox& box, const Vec3& 
 
     direction_.alongIndex = view.direction.normalized() * memoryFromWorld;
     // Where the first pixel's ray meets the first slice: the lattice is to have a ray there.
-    const Index3 memory = box.size() + Index3(2 * pad);
-    const Traversal traversal =
-        traverse(memory, {Index3(pad), Index3(pad) + box.size()}, direction_, Resampling::linear);
-    const double slice = traversal.memoryCoordinate(traversal.major, 0);
+    const Traversal traversal = traverse(box.size() + Index3(2 * pad), content, direction_, Resampling::linear);
+    const double sense = traversal.descending ? -1 : 1;
+    const double slice = traversal.origin[traversal.major] + sense * depth;
     const double along = (slice - originInMemory_[traversal.major]) / direction_.alongIndex[traversal.major];
     const auto offset = [&](int axis) {
         const double at = snapped(originInMemory_[axis] + along * direction_.alongIndex[axis]);
@@ -44,7 +44,7 @@ BasePlane::BasePlane(const MeasuredView& view, const DenseBox& box, const Vec3& 
     direction_.offsetV = offset(traversal.axisV);
 }
 
-Imath::V2d BasePlane::pixelOf(const Traversal& traversal, double u, double v, int k) const {
+Imath::V2d BasePlane::pixelOf(const Traversal& traversal, double u, double v, double k) const {
     Vec3 memory;
     const double sense = traversal.descending ? -1 : 1;
     memory[traversal.axisU] = traversal.origin[traversal.axisU] + sense * u;
@@ -54,11 +54,11 @@ Imath::V2d BasePlane::pixelOf(const Traversal& traversal, double u, double v, in
     return {snapped(pixel.x), snapped(pixel.y)};
 }
 
-Imath::V2d BasePlane::positionOf(const Traversal& traversal, double column, double row, int k) const {
+Imath::V2d BasePlane::positionOf(const Traversal& traversal, double column, double row, double k) const {
     Vec3 memory = originInMemory_ + Vec3(column, row, 0) * memoryFromPixel_;
-    const double slice = traversal.memoryCoordinate(traversal.major, k);
-    memory += direction_.alongIndex * ((slice - memory[traversal.major]) / direction_.alongIndex[traversal.major]);
     const double sense = traversal.descending ? -1 : 1;
+    const double slice = traversal.origin[traversal.major] + sense * k;
+    memory += direction_.alongIndex * ((slice - memory[traversal.major]) / direction_.alongIndex[traversal.major]);
     return {snapped(sense * (memory[traversal.axisU] - traversal.origin[traversal.axisU])),
             snapped(sense * (memory[traversal.axisV] - traversal.origin[traversal.axisV]))};
 }

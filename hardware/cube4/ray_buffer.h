@@ -66,23 +66,26 @@ class RayBuffer {
 
     void beginCycle() { ++cycle_; }
 
-    /// Reads the rays whose lower voxels are those of `beam`; those that have just come in from `entering`.
+    /// Reads the rays whose lower voxels are `back` before those of `beam` along u and v; those that have just come in
+    /// from `entering`.
     template <class Weight>
-    void read(const Beam<Weight>& beam, const Traversal& traversal, const RayPlane<Word>& entering,
+    void read(const Beam<Weight>& beam, int back, const Traversal& traversal, const RayPlane<Word>& entering,
               Lanes<Ray<Word>>& out, Counters& counters) {
         const SliceSetup<Weight>& slice = *beam.slice;
+        const int v = beam.row - back;
         const int lastU = traversal.size.x - 1 - traversal.reach, lastV = traversal.size.y - 1 - traversal.reach;
-        const int wasV = beam.row - slice.fromV;
+        const int wasV = v - slice.fromV;
         const bool newRow = slice.first || wasV < 0 || wasV > lastV;
-        const RowAddress row = addressOf(beam.row, slice.shiftU, slice.shiftV);
-        forEachLane(beam, pipelines_, traversal.size.x, [&](std::size_t lane, int u) {
-            if (u > lastU || beam.row > lastV) {
+        const RowAddress row = addressOf(v, slice.shiftU, slice.shiftV);
+        forEachLane(beam, pipelines_, traversal.size.x, [&](std::size_t lane, int at) {
+            const int u = at - back;
+            if (u < 0 || u > lastU || v < 0 || v > lastV) {
                 out[lane] = {};
                 return;
             }
             const int was = u - slice.fromU;
             if (newRow || was < 0 || was > lastU) {
-                out[lane] = entering.at(u - slice.shiftU, beam.row - slice.shiftV);
+                out[lane] = entering.at(u - slice.shiftU, v - slice.shiftV);
                 ++entered_;
                 return;
             }

@@ -9,16 +9,9 @@
 #pragma once
 
 #include "cube4/exchange.h"
-#include "cube4/ray_buffer.h"
+#include "cube4/finished_ray.h"
 
 namespace raysweep::cube4 {
-
-/// A ray on its way back to the compositing buffer.
-template <class Word>
-struct FinishedRay {
-    Ray<Word> ray;
-    std::int32_t slot = -1;  ///< address in the buffer; -1: none, it has left
-};
 
 template <class Arithmetic>
 class RayUpdate {
@@ -36,22 +29,8 @@ class RayUpdate {
               RayPlane<Word>& leaving) {
         out = beam;
         if (!beam) return;
-        const SliceSetup<Weight>& slice = *beam.slice;
-        const int reach = traversal.reach, v = beam.row - reach;
-        const int lastU = traversal.size.x - 1 - reach, lastV = traversal.size.y - 1 - reach;
-        for (FinishedRay<Word>& ray : rays) ray.slot = -1;
-        if (v < 0) return;
-        const bool leavesRow = slice.last || v + slice.toV < 0 || v + slice.toV > lastV;
-        const auto address = buffer.addressOf(v, slice.shiftU, slice.shiftV);
-        forEachLane(beam, int(rays.size()), traversal.size.x, [&](std::size_t lane, int at) {
-            const int u = at - reach;
-            if (u < 0) return;
-            const Ray<Word> ray = updated(arithmetic, in[lane].ending, offers[lane]);
-            if (leavesRow || u + slice.toU < 0 || u + slice.toU > lastU)
-                leaving.at(u - slice.shiftU, v - slice.shiftV) = ray;
-            else
-                rays[lane] = {ray, address.slotOf(u)};
-        });
+        finishRays(beam, traversal, buffer, rays, leaving,
+                   [&](std::size_t lane) { return updated(arithmetic, in[lane].ending, offers[lane]); });
     }
 
     Beam<Weight> out;

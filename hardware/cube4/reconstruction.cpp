@@ -1,7 +1,6 @@
 #include "cube4/reconstruction.h"
 
 #include "cube4/arithmetic.h"
-#include "cube4/base_plane.h"
 
 #include "raysweep/core/require.h"
 
@@ -101,11 +100,7 @@ class MachineOf : public Reconstruction::Machine {
                 const Imath::V2d at = front.plane.positionOf(front.traversal, column, row, 0);
                 const Imath::V2d ray(at.x - shiftU.shift - shiftU.fraction - sums.lowU,
                                      at.y - shiftV.shift - shiftV.fraction - sums.lowV);
-                const double wholeX = std::round(ray.x), wholeY = std::round(ray.y);
-                constexpr double kWhole = 1e-6;
-                picture.push_back(sampleOf(lattice, sums.width, sums.height,
-                                           {std::abs(ray.x - wholeX) < kWhole ? wholeX : ray.x,
-                                            std::abs(ray.y - wholeY) < kWhole ? wholeY : ray.y}));
+                picture.push_back(sampleOf(lattice, sums.width, sums.height, {snapped(ray.x), snapped(ray.y)}));
             }
         return picture;
     }
@@ -126,9 +121,9 @@ class MachineOf : public Reconstruction::Machine {
     };
 
     Front frontOf(const MeasuredView& view) const {
-        const BasePlane plane(view, box_, origin_, kPad);
-        const Traversal traversal =
-            traverse(memory_.size(), {Index3(kPad), Index3(kPad) + box_.size()}, plane.direction(), Resampling::linear);
+        const ContentBox content{Index3(kPad), Index3(kPad) + box_.size()};
+        const BasePlane plane(view.rays, box_, origin_, kPad, content);
+        const Traversal traversal = traverse(memory_.size(), content, plane.direction(), Resampling::linear);
         return {plane, traversal, slicesOf(traversal, arithmetic_)};
     }
 

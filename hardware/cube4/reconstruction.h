@@ -9,6 +9,7 @@
 #pragma once
 
 #include "cube4/backprojector.h"
+#include "cube4/base_plane.h"
 #include "cube4/dense_volume.h"
 #include "cube4/fixed_point.h"
 
@@ -20,8 +21,7 @@ namespace raysweep::cube4 {
 
 /// A view of parallel rays, and what was measured. World units.
 struct MeasuredView {
-    Vec3 direction{0, 0, 1};            ///< of the rays
-    Vec3 origin{0}, column{0}, row{0};  ///< centre of pixel (0,0), and from it to the next
+    PixelRays rays;
     int width = 0, height = 0;
     std::vector<float> values;  ///< line integrals, row by row; NaN: not measured
 };

@@ -32,7 +32,9 @@ std::vector<MeasuredView> measuredViews(const ReconstructionRecord& record) {
     for (std::size_t n = 0; n < record.views.size(); ++n) {
         const RecordedView& view = record.views[n];
         const auto from = all.begin() + std::ptrdiff_t(n * pixels);
-        views.push_back({view.direction, view.origin, view.column, view.row, record.width, record.height,
+        views.push_back({{view.direction, view.origin, view.column, view.row},
+                         record.width,
+                         record.height,
                          std::vector<float>(from, from + std::ptrdiff_t(pixels))});
     }
     return views;
@@ -40,9 +42,9 @@ std::vector<MeasuredView> measuredViews(const ReconstructionRecord& record) {
 
 /// For views whose pixels, seen along the rays, are voxels of a slice.
 bool isAligned(const MeasuredView& view, const ReconstructionRecord& record) {
-    const BasePlane plane(view, record.box, record.origin, 1);
-    const Traversal traversal = traverse(record.box.size() + Index3(2), {Index3(1), Index3(1) + record.box.size()},
-                                         plane.direction(), Resampling::linear);
+    const ContentBox content{Index3(1), Index3(1) + record.box.size()};
+    const BasePlane plane(view.rays, record.box, record.origin, 1, content);
+    const Traversal traversal = traverse(record.box.size() + Index3(2), content, plane.direction(), Resampling::linear);
     const Imath::V2d first = plane.positionOf(traversal, 0, 0, 0), next = plane.positionOf(traversal, 1, 0, 0),
                      below = plane.positionOf(traversal, 0, 1, 0);
     constexpr double kSame = 1e-5;

@@ -9,7 +9,7 @@
 // move by 1 and what they change by; a linear ray ends a voxel further along u and v, which is two pipelines less.
 #pragma once
 
-#include "cube4/ray_update.h"
+#include "cube4/finished_ray.h"
 
 #include <cstdlib>
 

@@ -15,13 +15,21 @@
 
 namespace raysweep::cube4 {
 
+/// Which rays a beam of voxels needs.
+struct RayNeed {
+    int back = 0;   ///< those that many voxels before it along u and v,
+    int delay = 0;  ///< in the slice that many before
+};
+
 template <class Weight>
 class Sequencer {
   public:
-    Sequencer(const Traversal& traversal, const std::vector<SliceSetup<Weight>>& slices, int pipelines, int interval)
+    Sequencer(const Traversal& traversal, const std::vector<SliceSetup<Weight>>& slices, int pipelines, int interval,
+              const RayNeed& need = {})
         : slices_(slices),
           size_(traversal.size),
           reach_(traversal.reach),
+          need_(need),
           pipelines_(pipelines),
           parts_((traversal.size.x + pipelines - 1) / pipelines),
           interval_(interval) {}
@@ -66,18 +74,20 @@ class Sequencer {
         ++slice_;
     }
 
-    /// The rays of this row were finished in the slice before at most `reach` rows later than where they were.
+    /// The rays of this row were finished in the slice before, `reach` rows later than where they were.
     bool raysAreBack() const {
-        if (slice_ == 0) return true;
-        const int was = row_ - slices_[std::size_t(slice_)].fromV;
+        const int slice = slice_ - need_.delay;
+        if (slice <= 0) return true;
+        const int was = row_ - need_.back - slices_[std::size_t(slice)].fromV;
         if (was < 0 || was >= size_.y - reach_) return true;  // they have just come in from the side
-        const int finished = was + reach_;
-        return backSlice_ > slice_ - 1 || (backSlice_ == slice_ - 1 && backRow_ >= finished);
+        return backSlice_ > slice - 1 || (backSlice_ == slice - 1 && backRow_ >= was + reach_);
     }
 
     const std::vector<SliceSetup<Weight>>& slices_;
     Index3 size_;
-    int reach_, pipelines_, parts_, interval_;
+    int reach_;
+    RayNeed need_;
+    int pipelines_, parts_, interval_;
     int slice_ = 0, row_ = 0, part_ = 0, wait_ = 0;
     int backSlice_ = -1, backRow_ = -1;
 };

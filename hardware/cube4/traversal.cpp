@@ -40,8 +40,8 @@ LatticeShift latticeShift(const Traversal& traversal, int lateral, int slice) {
 }
 
 template <class Arithmetic>
-std::vector<SliceSetup<typename Arithmetic::Weight>> slicesOf(const Traversal& traversal,
-                                                              const Arithmetic& arithmetic) {
+std::vector<SliceSetup<typename Arithmetic::Weight>> slicesOf(const Traversal& traversal, const Arithmetic& arithmetic,
+                                                              int ending) {
     const auto between = [&](double fraction) {
         Between<typename Arithmetic::Weight> weights;
         weights.high = arithmetic.weight(traversal.reach > 0 ? fraction : 0);
@@ -63,13 +63,15 @@ std::vector<SliceSetup<typename Arithmetic::Weight>> slicesOf(const Traversal& t
         slice.fromV = v.shift - latticeShift(traversal, 1, k - 1).shift;
         slice.toU = latticeShift(traversal, 0, k + 1).shift - u.shift;
         slice.toV = latticeShift(traversal, 1, k + 1).shift - v.shift;
-        // A linear ray is finished where the voxel above it in u and v is, two pipelines on.
-        slice.hops = slice.toU + slice.toV + 1 - 2 * traversal.reach;
+        slice.slantU = latticeShift(traversal, 0, k + 1).fraction - latticeShift(traversal, 0, k - 1).fraction;
+        slice.slantV = latticeShift(traversal, 1, k + 1).fraction - latticeShift(traversal, 1, k - 1).fraction;
+        // Along u and v, and to the next slice; less what it has moved already.
+        slice.hops = slice.toU + slice.toV + 1 - 2 * ending;
     }
     return slices;
 }
 
-template std::vector<SliceSetup<float>> slicesOf(const Traversal&, const FloatArithmetic&);
-template std::vector<SliceSetup<FixedPoint::Weight>> slicesOf(const Traversal&, const FixedPoint&);
+template std::vector<SliceSetup<float>> slicesOf(const Traversal&, const FloatArithmetic&, int);
+template std::vector<SliceSetup<FixedPoint::Weight>> slicesOf(const Traversal&, const FixedPoint&, int);
 
 }  // namespace raysweep::cube4

@@ -49,9 +49,16 @@ struct Traversal {
 /// @param memory dimensions of the memory; for `linear` the pass goes over all of it across the rays
 Traversal traverse(const Index3& memory, const ContentBox& content, const Direction& direction, Resampling resampling);
 
-/// The slices of a pass in order.
+/// The slices of a pass in order. @param ending voxels along u and v from where a ray is read to where it is finished
 template <class Arithmetic>
-std::vector<SliceSetup<typename Arithmetic::Weight>> slicesOf(const Traversal& traversal, const Arithmetic& arithmetic);
+std::vector<SliceSetup<typename Arithmetic::Weight>> slicesOf(const Traversal& traversal, const Arithmetic& arithmetic,
+                                                              int ending);
+/// Rays are read at the voxel below them, and finished at the one above.
+template <class Arithmetic>
+std::vector<SliceSetup<typename Arithmetic::Weight>> slicesOf(const Traversal& traversal,
+                                                              const Arithmetic& arithmetic) {
+    return slicesOf(traversal, arithmetic, traversal.reach);
+}
 
 /// The lattice coordinate of the ray that has its voxel at position 0 in slice k, u or v.
 struct LatticeShift {

@@ -53,8 +53,10 @@ struct SliceSetup {
     int fromU = 0, fromV = 0;    ///< change of the shift since the slice before
     int toU = 0, toV = 0;        ///< to the slice after
     bool first = false, last = false;
-    Between<Weight> u, v;  ///< of the voxel below a ray, and the one above
-    int hops = 0;          ///< pipelines that a finished ray has to move on to be in place for the next slice
+    Between<Weight> u, v;           ///< of the voxel below a ray, and the one above
+    double slantU = 0, slantV = 0;  ///< by how much the lattice lies further along u and v, within its cell, in the
+                                    ///< slice after than in the one before
+    int hops = 0;                   ///< pipelines that a finished ray has to move on to be in place for the next slice
 };
 
 /// What stages are built for.
