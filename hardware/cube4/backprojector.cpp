@@ -38,7 +38,7 @@ class Machine {
           voxelsWait_(pipelines, 3),
           rayAcross_(shape_),
           rayAlong_(shape_),
-          exchange_(pipelines, input.setup),
+          exchange_(shape_, input.setup),
           writesWait_(pipelines, 1),
           endingWait_(pipelines, 2),
           offerAcross_(shape_),
@@ -51,6 +51,7 @@ class Machine {
     PassResult<Word> run() {
         while (!sequencer_.done() || underWay_ > 0) tick();
         result_.raysEntered = buffer_.entered();
+        result_.largestRay = rayUpdate_.largest;
         result_.rayWords = buffer_.raysPerPipeline() * std::size_t(shape_.rayWords);
         result_.bufferWords = rayAlong_.bufferWords() + offerAlong_.bufferWords();
         return std::move(result_);

@@ -41,6 +41,7 @@ template <class Word>
 struct PassResult {
     RayPlane<Word> leaving;  ///< rays as they leave the volume
     std::uint64_t raysEntered = 0;
+    Word largestRay{};  ///< largest value that a ray has had anywhere
     Counters counters;
     std::size_t rayWords = 0;     ///< of the compositing buffer, in each pipeline
     std::size_t bufferWords = 0;  ///< of beam buffers, in each pipeline

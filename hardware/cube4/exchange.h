@@ -6,7 +6,8 @@
 // Latency    one cycle.
 //
 //     illuminating     α = 1 - exp(-σ len),  in = e α,  out = U s,      s the part that is shot
-//                      D += in,  U += g in - out + source;              the ray is offered α and out
+//                      D += in,  U += g in - out + source;              the ray is offered α and out; if it is alone with
+//                                                                       the voxel (nearest) 0 and out - in
 //     projecting       the ray is offered 1 and x
 //     backprojecting   x = clamp(x + λ c / w),  c the corrections of rays, w how much of rays that count is here
 #pragma once
@@ -48,8 +49,12 @@ class Exchange {
 
     using Rays = typename RayAcross<Arithmetic>::Rays;
 
-    Exchange(int pipelines, const ExchangeSetup<Word>& setup)
-        : voxels(std::size_t(pipelines)), offers(voxels.size()), rays(voxels.size()), setup_(setup) {}
+    Exchange(const StageShape& shape, const ExchangeSetup<Word>& setup)
+        : voxels(std::size_t(shape.pipelines)),
+          offers(voxels.size()),
+          rays(voxels.size()),
+          linear_(shape.linear),
+          setup_(setup) {}
 
     void tick(const Arithmetic& arithmetic, const Beam<Weight>& beam, Lanes<Voxel<Word>>& in, Lanes<Rays>& atVoxels) {
         out = beam;
@@ -103,6 +108,8 @@ class Exchange {
             voxel.fresh = {};
         }
         voxel.deposit = arithmetic.accumulate(voxel.deposit, in);
+        // A ray that has its voxel for itself is told the change: what rounding took from one, the other has.
+        if (!linear_) return {Word{}, arithmetic.subtract(out, in)};
         return {term.part, out};
     }
 
@@ -111,6 +118,7 @@ class Exchange {
         voxel.scalar = arithmetic.corrected(voxel.scalar, mean, setup_.bounds, setup_.relaxation);
     }
 
+    const bool linear_;
     const ExchangeSetup<Word>& setup_;
 };
 

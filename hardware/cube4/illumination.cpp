@@ -107,10 +107,8 @@ class MachineOf : public Illumination::Machine {
         bufferBytes = std::max(bufferBytes, ((result.rayWords + result.bufferWords) * bitsPerRay() + 7) / 8);
         FrontPower sums;
         sums.entered = double(result.raysEntered) * double(power) * powerUnit_;
-        for (const Ray<Word>& ray : result.leaving.rays) {
-            sums.escaped += double(ray.value) * powerUnit_;
-            largestPower = std::max(largestPower, double(ray.value) * powerUnit_);
-        }
+        for (const Ray<Word>& ray : result.leaving.rays) sums.escaped += double(ray.value) * powerUnit_;
+        largestPower = std::max(largestPower, double(std::max(power, result.largestRay)) * powerUnit_);
         for (const Voxel<Word>& voxel : memory_.all())
             largestPower = std::max(largestPower, double(voxel.unshot) * powerUnit_);
         return sums;

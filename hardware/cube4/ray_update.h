@@ -11,6 +11,8 @@
 #include "cube4/exchange.h"
 #include "cube4/finished_ray.h"
 
+#include <algorithm>
+
 namespace raysweep::cube4 {
 
 template <class Arithmetic>
@@ -29,12 +31,16 @@ class RayUpdate {
               RayPlane<Word>& leaving) {
         out = beam;
         if (!beam) return;
-        finishRays(beam, traversal, buffer, rays, leaving,
-                   [&](std::size_t lane) { return updated(arithmetic, in[lane].ending, offers[lane]); });
+        finishRays(beam, traversal, buffer, rays, leaving, [&](std::size_t lane) {
+            const Ray<Word> ray = updated(arithmetic, in[lane].ending, offers[lane]);
+            largest = std::max(largest, ray.value);
+            return ray;
+        });
     }
 
     Beam<Weight> out;
     Lanes<FinishedRay<Word>> rays;
+    Word largest{};  ///< value of a ray so far
 
   private:
     Ray<Word> updated(const Arithmetic& arithmetic, Ray<Word> ray, const Offer<Word>& offer) const {

@@ -116,6 +116,5 @@ TEST(Cube4Rendering, IsTheLibrarysWithTheSameSamples) {
                     EXPECT_GT(difference.largest, lambert ? 0.2 : 0.4);
                     EXPECT_LE(difference.color / difference.largest, 4.3e-7);
                     EXPECT_LE(difference.alpha, 5.2e-7);
-                                difference.color, difference.alpha, difference.largest);
                 }
 }
