@@ -2,16 +2,17 @@
 # Figures 4, 10, 11 and 12 of Dachille, Mueller and Kaufman (2000), made again: translucent triangles, photographed from one
 # ring and reconstructed in 1000 updates by the paper's method and by `consistent`. And what the paper does not have: how far
 # off a direction of light is that was looked for, and views beside the truth that no reconstruction has seen.
-# Usage: bench/quality/photo_figures.sh [FOLDER (bench/photo_figures)]; about ten minutes on two cores. SHORT=1: small, in half a
-# minute, for whether it runs. RAYSWEEP=FILE: that program instead of a new build. docs/photographs.md says what is found.
+# Usage: bench/quality/photo_figures.sh [FOLDER (bench/photo_figures)]; 18 minutes of processor time, and as long by the clock on
+# two cores that had other work, too. SHORT=1: small, in 40 seconds, for whether it runs. RAYSWEEP=FILE: that program instead of a
+# new build. docs/photographs.md says what is found.
 set -euo pipefail
 out=$(realpath -m "${1:-$(dirname "$0")/../photo_figures}")
 cd "$(dirname "$0")/../.."
 
 [ -n "${RAYSWEEP:-}" ] || scripts/build.sh --target raysweep_app >/dev/null
 raysweep=${RAYSWEEP:-build/bin/raysweep}
-size=128 count=150 views=80 pixels=256 updates=1000 marks=10,100,300,1000 few=(12 6)
-[ -z "${SHORT:-}" ] || { size=48 count=40 views=16 pixels=96 updates=60 marks=10,20,30,60 few=(12 3); }
+size=128 lit=96 count=150 views=80 pixels=256 updates=1000 marks=10,100,300,1000 few=(12 6)
+[ -z "${SHORT:-}" ] || { size=48 lit=48 count=40 views=16 pixels=96 updates=60 marks=10,20,30,60 few=(12 3); }
 passes=$(((updates + views - 1) / views)) # photo counts these; tables are read at `updates`
 early=$(((updates * 3 / 10 + views - 1) / views))
 work=$out/work # volumes and reports
@@ -73,14 +74,14 @@ for share in 0.25 0.5 0.75 1; do
     for method in paper consistent; do reconstruct "$work/lit" share-$method-$share $method $early "${lamp[@]}"; done
 done
 
-# The light, looked for. A ring says less of how high it stands than a sphere.
+# The light, looked for in a volume of 96 voxels, which is as fine as that goes. A ring says less of how high it stands than a sphere.
 $raysweep generate triangles -o "$work/few.vdb" --size $size --count "${few[0]}" --thickness "${few[1]}" --seed 1
 for place in "triangles ring" "triangles sphere" "few ring" "few sphere"; do
     read -r scene orbit <<<"$place"
     for share in 0.25 0.5 0.75 1; do
         name=light-$scene-$orbit-$share
         shoot "$work/$scene.vdb" "$work/lit" --orbit $orbit --diffuse $share --light $light
-        $raysweep photo "$work/lit" -o "$work/lit.vdb" --method consistent --light auto --iterations 1 --size 96 --quiet \
+        $raysweep photo "$work/lit" -o "$work/lit.vdb" --method consistent --light auto --iterations 1 --size $lit --quiet \
             --report "$work/$name.json"
         cp "$work/lit/rig.json" "$work/$name-rig.json"
         cp "$work/lit/transforms.json" "$work/$name-transforms.json"
