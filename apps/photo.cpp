@@ -202,7 +202,7 @@ std::string describeMoved(const PhotoOutcome& outcome) {
 }
 
 void commentLight(const PhotoArguments& a, PhotoOutcome& outcome) {
-    constexpr double kSure = 0.2;  // of confidence
+    constexpr double kSure = 0.4;  // of confidence: below it the opposite light has been found instead
     if (!outcome.result.light) return;
     const PhotoLight& light = *outcome.result.light;
     detail(a.common, "light: " + brief(100 * light.shading.diffuse, 2) + " % of it diffuse, confidence " +

@@ -100,7 +100,7 @@ void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid&
     openvdb::GridPtrVec grids;
     for (const openvdb::GridBase::Ptr& grid : file.grids)
         if (grid->getName() != "radiosity") grids.push_back(grid);
-    auto lit = cube4::sparseGrid(radiosity, box, topology);
+    auto lit = cube4::extendedGrid(radiosity, box, topology);
     lit->setName("radiosity");
     grids.push_back(lit);
     writeVdb(a.output, {grids.begin(), grids.end()});

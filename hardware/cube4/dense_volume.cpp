@@ -77,13 +77,30 @@ DenseField denseField(const openvdb::GridBase& grid, const DenseBox& box, int ch
     return field;
 }
 
-openvdb::FloatGrid::Ptr sparseGrid(const DenseField& field, const DenseBox& box, const openvdb::FloatGrid& topology) {
+openvdb::FloatGrid::Ptr extendedGrid(const DenseField& field, const DenseBox& box, const openvdb::FloatGrid& topology) {
+    DenseBox wide = box;
+    wide.low -= Index3(1);
+    wide.high += Index3(1);
+    DenseField sum(wide.voxels(), 0.0f), count(wide.voxels(), 0.0f);
+    forEachInside(topology, box, [&](const Index3& at, float) {
+        for (int n = 0; n < 27; ++n) {
+            const std::size_t i = wide.indexOf(at + Index3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+            sum[i] += field[box.indexOf(at)];
+            count[i] += 1;
+        }
+    });
+    forEachInside(topology, box, [&](const Index3& at, float) {
+        sum[wide.indexOf(at)] = field[box.indexOf(at)];
+        count[wide.indexOf(at)] = 1;
+    });
     auto grid = openvdb::FloatGrid::create(0.0f);
     grid->setTransform(topology.transform().copy());
     auto accessor = grid->getAccessor();
-    forEachInside(topology, box, [&](const Index3& at, float) {
-        accessor.setValueOn(openvdb::Coord(at.x, at.y, at.z), field[box.indexOf(at)]);
-    });
+    std::size_t i = 0;
+    for (int z = wide.low.z; z < wide.high.z; ++z)
+        for (int y = wide.low.y; y < wide.high.y; ++y)
+            for (int x = wide.low.x; x < wide.high.x; ++x, ++i)
+                if (count[i] > 0) accessor.setValueOn(openvdb::Coord(x, y, z), sum[i] / count[i]);
     return grid;
 }
 

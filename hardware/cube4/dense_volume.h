@@ -38,8 +38,9 @@ void requireAtMost(const DenseBox& box, std::size_t mostVoxels);
 /// Component `channel` of the active values of a float or vec3s grid, 0 elsewhere.
 DenseField denseField(const openvdb::GridBase& grid, const DenseBox& box, int channel = 0);
 
-/// A grid of the voxels that are active in `topology`.
-openvdb::FloatGrid::Ptr sparseGrid(const DenseField& field, const DenseBox& box, const openvdb::FloatGrid& topology);
+/// A grid of the voxels that are active in `topology`, and of those around them, which are the mean of their neighbours
+/// among these: what is interpolated at an edge is not mixed with nothing.
+openvdb::FloatGrid::Ptr extendedGrid(const DenseField& field, const DenseBox& box, const openvdb::FloatGrid& topology);
 
 /// A grid of all voxels that are not 0.
 openvdb::FloatGrid::Ptr sparseGrid(const DenseField& field, const DenseBox& box,

@@ -6,7 +6,8 @@
 // Latency    one cycle.
 //
 //     illuminating     α = 1 - exp(-σ len),  in = e α,  out = U s,      s the part that is shot
-//                      D += in,  U += g in - out + source;              the ray is offered α and out; if it is alone with
+//                      D += in,  U += g in - out + source;              the ray is offered α and out; if it is alone
+//                      with
 //                                                                       the voxel (nearest) 0 and out - in
 //     projecting       the ray is offered 1 and x
 //     backprojecting   x = clamp(x + λ c / w),  c the corrections of rays, w how much of rays that count is here
