@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds what is measured, measures it, prints the table of what was asked and what was reached, and stores it in
-# bench/results/. Usage: bench/run.sh [--quick] [--only sweep,convergence,cycles,large,light,ct,photo].
+# bench/results/. Usage: bench/run.sh [--quick] [--only sweep,convergence,cycles,large,light,ct,photo,cube4].
 # docs/benchmarks.md says what the rows mean.
 set -euo pipefail
 cd "$(dirname "$0")/.."

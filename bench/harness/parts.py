@@ -53,6 +53,7 @@ SWEEPS = ("dense_nearest", "dense_linear", "dense_surfaces", "dense_colour", "sm
 CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone")
 
 
+CUBE4 = ("cube4_64", "cube4_64_one", "cube4_64_fixed", "cube4_128")
 PHOTO = ("photo_consistent", "photo_consistent_1thread", "photo_paper", "photo_fit_1thread")
 
 
@@ -84,6 +85,11 @@ def ct(context):
 def photo(context):
     """Time of a correction by a photograph, and of the samples of a fit's rays."""
     return counters(context, PHOTO, 5)
+
+
+def cube4(context):
+    """Time of a sweep of the Cube-4 emulator."""
+    return counters(context, CUBE4, 5)
 
 
 def convergence(context):
@@ -139,4 +145,4 @@ def cycles_part(context):
 
 
 PARTS = {"sweep": sweep, "convergence": convergence, "cycles": cycles_part, "large": large, "light": light,
-         "ct": ct, "photo": photo}
+         "ct": ct, "photo": photo, "cube4": cube4}

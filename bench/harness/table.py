@@ -136,6 +136,16 @@ def photo_rows(runs):
     ]
 
 
+def cube4_rows(runs):
+    return [
+        Row("Cube-4 emulator, one core: sweep of 64³ voxels, 16 pipelines, floats, ms", "≤ 60", "",
+            counters(runs, "cube4_64", "ms"), 60, form="{:.1f}"),
+        Row("the same, 128³, ms", "≤ 500", "", counters(runs, "cube4_128", "ms"), 500, form="{:.0f}"),
+        Row("the same, 64³: millions of voxel-cycles a second", "≥ 5", "",
+            [1e3 / value for value in counters(runs, "cube4_64", "ns_voxel")], 5, at_least=True, form="{:.0f}"),
+    ]
+
+
 def rows(results):
     runs = results.get("sweep", [])
     return [
@@ -149,6 +159,7 @@ def rows(results):
             [100 * outside_share(run) for run in results.get("light", [])], 15, form="{:.1f} %"),
         *ct_rows(results.get("ct", [])),
         *photo_rows(results.get("photo", [])),
+        *cube4_rows(results.get("cube4", [])),
     ]
 
 
@@ -194,7 +205,7 @@ def light_details(runs):
 
 def details(results):
     """Name and values of everything that stands behind the rows."""
-    return [*(line for part in ("sweep", "ct", "photo") for line in counter_details(results.get(part, []))),
+    return [*(line for part in ("sweep", "ct", "photo", "cube4") for line in counter_details(results.get(part, []))),
             *convergence_details(results.get("convergence", {})),
             *cycles_details(results.get("cycles", {})), *large_details(results.get("large", [])),
             *light_details(results.get("light", []))]
