@@ -99,7 +99,11 @@ void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid&
               const cube4::DenseField& radiosity) {
     openvdb::GridPtrVec grids;
     for (const openvdb::GridBase::Ptr& grid : file.grids)
-        if (grid->getName() != "radiosity") grids.push_back(grid);
+        if (grid->getName() != "radiosity" && grid->getName() != "extinction") grids.push_back(grid);
+    if (!a.ramp.empty()) {  // as raysweep light does: what is seen is not the density
+        grids.push_back(topology.deepCopyGrid());
+        grids.back()->setName("extinction");
+    }
     auto lit = cube4::extendedGrid(radiosity, box, topology);
     lit->setName("radiosity");
     grids.push_back(lit);
