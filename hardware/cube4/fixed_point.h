@@ -36,11 +36,16 @@ class FixedPoint {
     using Weight = std::int64_t;
 
     static constexpr bool kExact = false;
-    static constexpr int kRelaxationBits = 16;  ///< fraction bits of λ
+    static constexpr int kRelaxationBits = 20;  ///< of λ that are kept, however the units of its factors differ
 
     explicit FixedPoint(const NumberFormat& format) : format_(format), random_(format.seed * 2654435769u | 1u) {}
 
     const NumberFormat& format() const { return format_; }
+    /// Fraction bits of λ, in units of voxels over units of corrections: more where those are finer than voxels are.
+    int relaxationBits() const {
+        constexpr int kLeast = 8;
+        return std::max(kLeast, kRelaxationBits + format_.energy - 1 - format_.scalar);
+    }
     Weight weight(double part) const { return Weight(std::lround(std::ldexp(part, format_.weight))); }
     Word mix(const Between<Weight>& weights, Word low, Word high) const {
         return shifted(weights.low * low + weights.high * high, format_.weight);
@@ -54,7 +59,7 @@ class FixedPoint {
     Word corrected(Word x, const Ray<Word>& mean, const Ray<Word>& bounds, Word relaxation) const {
         // λ / weight, as a table for the weight gives it.
         const Word factor = ((relaxation << format_.weight) + mean.weight / 2) / mean.weight;
-        return std::clamp(x + shifted(mean.value * factor, kRelaxationBits), bounds.value, bounds.weight);
+        return std::clamp(x + shifted(mean.value * factor, relaxationBits()), bounds.value, bounds.weight);
     }
     /// A part of 1.
     Word one() const { return Word(1) << format_.part; }
@@ -67,12 +72,18 @@ class FixedPoint {
             case Rounding::nearest:
                 return (value + (Word(1) << (bits - 1))) >> bits;
             default:
-                return (value + Word(nextRandom() & ((1u << bits) - 1))) >> bits;
+                return (value + randomBelow(bits)) >> bits;
         }
     }
 
   private:
     static Word largest(int bits) { return (Word(1) << bits) - 1; }
+    /// A number of so many bits; of more than 32 the highest are random.
+    Word randomBelow(int bits) const {
+        constexpr int kDrawn = 32;
+        const Word random = nextRandom();
+        return bits < kDrawn ? random & ((Word(1) << bits) - 1) : random << (bits - kDrawn);
+    }
     /// Marsaglia's xorshift, 32 bits.
     std::uint32_t nextRandom() const {
         random_ ^= random_ << 13;

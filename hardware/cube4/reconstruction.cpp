@@ -135,7 +135,7 @@ class MachineOf : public Reconstruction::Machine {
             setup.bounds = {Word(setup_.lower), Word(setup_.upper)};
         } else {
             setup.relaxation =
-                Word(std::llround(std::ldexp(relaxation * correctionUnit_ / valueUnit_, FixedPoint::kRelaxationBits)));
+                toWord(relaxation * correctionUnit_ / valueUnit_, std::ldexp(1.0, -arithmetic_.relaxationBits()));
             const double most = setup_.largestValue;
             setup.bounds = {toWord(std::max(setup_.lower, -most), valueUnit_),
                             toWord(std::min(setup_.upper, most), valueUnit_)};
