@@ -1,6 +1,7 @@
 /// What the machine counts while it runs. Nothing here is computed from sizes.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace raysweep::cube4 {
@@ -22,5 +23,10 @@ struct Counters {
         return *this;
     }
 };
+
+/// Words of all pipelines to their neighbours, so many from each. A ring of one has none.
+inline std::uint64_t handedOn(std::size_t words, std::size_t pipelines) {
+    return pipelines > 1 ? std::uint64_t(words) * pipelines : 0;
+}
 
 }  // namespace raysweep::cube4

@@ -22,7 +22,7 @@ class LeftNeighbour {
         left[0] = in[pipelines - 1];
         left[first] = beam.part > 0 ? kept_[first == 0 ? pipelines - 1 : first - 1] : T{};
         std::copy(in.begin(), in.end(), kept_.begin());
-        counters.wordsOn += std::uint64_t(words) * pipelines;
+        counters.wordsOn += handedOn(std::size_t(words), pipelines);
     }
 
   private:
@@ -46,7 +46,7 @@ class BeamBuffer {
         } else {
             std::copy(values, values + pipelines_ - 1, before.begin() + 1);
             before[0] = values[pipelines_ - 1];
-            counters.wordsOn += std::uint64_t(words) * pipelines_;
+            counters.wordsOn += handedOn(std::size_t(words), pipelines_);
         }
         std::copy(in.begin(), in.end(), values);
     }

@@ -24,7 +24,7 @@ class Router {
     static constexpr int kLongest = 3;
 
     explicit Router(const StageShape& shape)
-        : words_(std::uint64_t(shape.rayWords)),
+        : words_(std::size_t(shape.rayWords)),
           stages_(kLongest, Stage{{}, Lanes<FinishedRay<Word>>(std::size_t(shape.pipelines))}),
           moved_(std::size_t(shape.pipelines)) {}
 
@@ -55,16 +55,16 @@ class Router {
         if (on) {
             std::copy(rays.begin(), rays.end() - 1, moved_.begin() + 1);
             moved_[0] = rays[p - 1];
-            counters.wordsOn += words_ * p;
+            counters.wordsOn += handedOn(words_, p);
         } else {
             std::copy(rays.begin() + 1, rays.end(), moved_.begin());
             moved_[p - 1] = rays[0];
-            counters.wordsBack += words_ * p;
+            counters.wordsBack += handedOn(words_, p);
         }
         std::swap(rays, moved_);
     }
 
-    std::uint64_t words_;
+    std::size_t words_;
     std::vector<Stage> stages_;
     Lanes<FinishedRay<Word>> moved_;
 };

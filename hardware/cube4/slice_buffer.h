@@ -24,7 +24,7 @@ class SliceBuffer {
         } else {
             std::copy(values, values + pipelines_ - 1, before.begin() + 1);
             before[0] = values[pipelines_ - 1];
-            counters.wordsOn += std::uint64_t(words) * pipelines_;
+            counters.wordsOn += handedOn(std::size_t(words), pipelines_);
         }
         std::copy(in.begin(), in.end(), values);
     }

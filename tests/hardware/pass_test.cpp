@@ -89,6 +89,12 @@ TEST(Cube4, PartialBeamsCostWholeOnes) {
     EXPECT_EQ(wide.pass(oblique(1, -1), {0.2, 0.4}, 0.3f).counters.beams, 16u * 16);
 }
 
+TEST(Cube4, OnePipelineHasNoNeighbour) {
+    RandomBox one({1, 1, 1}, 1, 0), two({1, 1, 1}, 2, 0);
+    EXPECT_EQ(one.pass(oblique(2, 1), {0.5, 0.5}, 0.3f).counters.wordsOn, 0u);
+    EXPECT_GT(two.pass(oblique(2, 1), {0.5, 0.5}, 0.3f).counters.wordsOn, 0u);
+}
+
 TEST(Cube4, MemoryWithoutSkewHasConflicts) {
     for (int axis = 0; axis < 3; ++axis) {
         RandomBox box({1, 1, 1}, 4, 0, cube4::Skew::none);
