@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <iostream>
 
 namespace raysweep::apps {
@@ -76,6 +77,7 @@ void requireMachine(const CLI::App& command, const MachineArguments& a) {
     if (const auto format = parseFormat(a)) requireValid(command, [&] { format->validate(); });
     if (a.tracePicture.empty()) return;
     requireFileOutput(a.tracePicture, "--trace-picture");
+    if (std::filesystem::path(a.tracePicture).extension() != ".svg") usageError("--trace-picture", "is an .svg file");
     if (a.trace == 0) usageError("--trace-picture", "say with --trace how many cycles it is to show");
 }
 
