@@ -174,6 +174,7 @@ OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, double s
         cube4::IlluminationSetup setup = a.setup;
         setup.format = format;
         setup.largestPower = exact.largestPower();
+        setup.largestDeposit = cube4::largestOf(exact.deposit());
         rounded.emplace(own.medium, setup);
         own.complete = cube4::repeat(own.run, *rounded, progress.callback());
         own.toFloat = cube4::compareFields(rounded->deposit(), exact.deposit(), own.medium.box);

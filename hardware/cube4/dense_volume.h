@@ -4,6 +4,7 @@
 #include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -26,6 +27,11 @@ struct DenseBox {
 
 /// One number for each voxel of a box, x fastest.
 using DenseField = std::vector<float>;
+
+/// 0 if it has no voxels.
+inline double largestOf(const DenseField& field) {
+    return field.empty() ? 0 : double(*std::max_element(field.begin(), field.end()));
+}
 
 /// The box around the active voxels of `grid`, whole blocks of 8.
 /// @throw InvalidArgument for a transform that is not linear, a grid without active voxels, or one of more than

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 namespace raysweep::cube4 {
 
@@ -28,6 +29,8 @@ struct NumberFormat {
 
     /// @throw InvalidArgument naming the width and its bounds.
     void validate() const;
+    /// @throw InvalidArgument if sums of up to `largest` units do not fit; `what`: of which, "deposits"
+    void requireSumsHold(double largest, const std::string& what) const;
 };
 
 class FixedPoint {

@@ -149,6 +149,7 @@ class MachineOf : public Illumination::Machine {
             scalarUnit_ = most > 0 ? double(most) / largestCode(format.scalar) : 1;
             powerUnit_ = setup_.largestPower / largestCode(format.energy);
             partUnit_ = std::ldexp(1.0, -format.part);
+            format.requireSumsHold(setup_.largestDeposit / powerUnit_, "deposits");
         } else {
             (void)medium;
         }

@@ -37,6 +37,7 @@ struct IlluminationSetup {
     bool overlap = true;  ///< see PassOptions
     std::optional<NumberFormat> format;  ///< none: floats
     double largestPower = 1;             ///< of a voxel or a ray, that the format holds
+    double largestDeposit = 0;           ///< that will be reached, so far as it is known: sums have to hold it
 
     /// @throw InvalidArgument naming field, value and bound
     void validate() const;

@@ -26,6 +26,7 @@ struct Reconstruction::Machine {
     Counters projecting, backprojecting;
     std::size_t bytesPerModule = 0, bufferBytes = 0;
     double largestValue = 0, largestCorrection = 0;
+    Ray<double> largestSums;
 };
 
 namespace {
@@ -48,6 +49,8 @@ class MachineOf : public Reconstruction::Machine {
             valueUnit_ = setup.largestValue / (std::ldexp(1.0, format.scalar - sign) - 1);
             correctionUnit_ = setup.largestCorrection / (std::ldexp(1.0, format.energy - 1) - 1);
             weightUnit_ = std::ldexp(1.0, -format.weight);
+            format.requireSumsHold(setup.largestSums.value / valueUnit_, "sums of voxels along a ray");
+            format.requireSumsHold(setup.largestSums.weight / weightUnit_, "sums of weights along a ray");
         }
         const std::size_t bits = setup.format ? std::size_t(setup.format->scalar) : 8 * sizeof(Word);
         bytesPerModule = (memory_.voxelsPerModule() * bits + 7) / 8;
@@ -69,6 +72,8 @@ class MachineOf : public Reconstruction::Machine {
         forEachRay(front, sums, [&](int u, int v, const Ray<Word>& sum, const Imath::V2d& pixel) {
             Ray<Word>& ray = corrections.at(u, v);
             ray = {};
+            largestSums.value = std::max(largestSums.value, std::abs(double(sum.value) * valueUnit_));
+            largestSums.weight = std::max(largestSums.weight, double(sum.weight) * weightUnit_);
             const double length = double(sum.weight) * weightUnit_ * front.traversal.stepLength;
             const double measured = double(sampleOf(view.values, view.width, view.height, pixel));
             if (!(length > leastLength()) || std::isnan(measured)) return;
@@ -237,6 +242,9 @@ double Reconstruction::largestValue() const {
 }
 double Reconstruction::largestCorrection() const {
     return machine_->largestCorrection;
+}
+Ray<double> Reconstruction::largestSums() const {
+    return machine_->largestSums;
 }
 const Counters& Reconstruction::projectCounters() const {
     return machine_->projecting;

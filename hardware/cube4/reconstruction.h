@@ -34,6 +34,7 @@ struct ReconstructionSetup {
     std::optional<NumberFormat> format;  ///< none: floats
     double largestValue = 1;             ///< of a voxel, that the format holds
     double largestCorrection = 1;        ///< of a ray
+    Ray<double> largestSums;             ///< along a ray, so far as they are known: sums have to hold them
 
     /// @throw InvalidArgument naming field, value and bound
     void validate() const;
@@ -58,6 +59,7 @@ class Reconstruction {
 
     DenseField volume() const;
     double largestValue() const, largestCorrection() const;  ///< that there have been
+    Ray<double> largestSums() const;  ///< of values and of weights along a ray, that there have been
     const Counters& projectCounters() const;
     const Counters& backprojectCounters() const;
     std::size_t bytesPerModule() const, bufferBytes() const;

@@ -217,6 +217,7 @@ ReplayResult replay(const IlluminationRecord& record, const ReplaySetup& setup, 
         if (setup.format) {
             machineSetup.format = setup.format;
             machineSetup.largestPower = exact.largestPower();
+            machineSetup.largestDeposit = largestOf(exact.deposit());
             rounded.emplace(medium, machineSetup);
             power = {};
             result.complete = runGroups(record, c, sourcePower, *rounded, setup, progress, power);

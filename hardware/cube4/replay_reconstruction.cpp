@@ -92,6 +92,7 @@ ReconstructionReplay replay(const ReconstructionRecord& record, const ReplaySetu
         machineSetup.format = setup.format;
         machineSetup.largestValue = exact.largestValue();
         machineSetup.largestCorrection = exact.largestCorrection();
+        machineSetup.largestSums = exact.largestSums();
         rounded.emplace(record.box, record.origin, machineSetup, initial, support);
         result.complete = runUpdates(record, views, *rounded, setup, progress, result.residuals);
         result.volumeToFloat = compareFields(rounded->volume(), exact.volume(), record.box);

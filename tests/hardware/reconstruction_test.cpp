@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "raysweep/core/error.h"
 #include "raysweep/projector/project_grid.h"
 #include "raysweep/reconstruct/sart.h"
 #include "support/worst.h"
@@ -169,6 +170,7 @@ TEST(Cube4Reconstruction, RelaxesByLambdaWhateverTheWidths) {
             machine.update(measuredView(all.geometry.views[std::size_t(n)], all.projections, n), 0.05);
         setup.largestValue = machine.largestValue();
         setup.largestCorrection = machine.largestCorrection();
+        setup.largestSums = machine.largestSums();
         return machine.volume();
     };
     const cube4::DenseField exact = updated(cube4::Reconstruction(box, all.grid.voxel(0, 0, 0), setup));
@@ -188,5 +190,25 @@ TEST(Cube4Reconstruction, RelaxesByLambdaWhateverTheWidths) {
             test::raiseTo(worst, std::abs(double(ours[i]) - double(exact[i])) / values);
         EXPECT_LE(worst, widths.worst) << widths.scalar << " and " << widths.energy << " bits";
         EXPECT_GT(worst, 0);
+    }
+}
+
+TEST(Cube4Reconstruction, RefusesSumsThatDoNotFit) {
+    const Case all;
+    cube4::ReconstructionSetup setup;
+    setup.upper = setup.saturation = kInfinity;
+    setup.format = cube4::NumberFormat();
+    setup.format->sum = 18;
+    setup.largestSums = {3.9, 14};
+    const cube4::DenseBox box = boxOf(all.grid);
+    EXPECT_NO_THROW(cube4::Reconstruction(box, all.grid.voxel(0, 0, 0), setup));
+    setup.largestSums.value = 8.1;  // of voxels up to 1: twice and 1 % more than 18 bits hold with voxels of 16
+    try {
+        cube4::Reconstruction machine(box, all.grid.voxel(0, 0, 0), setup);
+        FAIL();
+    } catch (const InvalidArgument& e) {
+        EXPECT_STREQ(e.what(),
+                     "sum words of 18 bits hold 262143 units, and sums of voxels along a ray reach 2.024977 times "
+                     "as much: 20 bits do");
     }
 }
