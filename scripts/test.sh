@@ -12,7 +12,7 @@ stage() { printf '== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
 
 stage "format"
 # Not by git: an unpacked archive has to pass too.
-find apps bench lib tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run -Werror
+find apps bench hardware lib tests -name '*.h' -o -name '*.cpp' | xargs clang-format --dry-run -Werror
 
 stage "release build"
 scripts/build.sh

@@ -96,6 +96,12 @@ int run(Arguments& a) {
     writeImage(a.output, png ? toneMap(rendering.image, a.exposure) : rendering.image);
     nlohmann::ordered_json report = describeMachine(a.machine, use);
     report["step"] = rendering.step;
+    // The same view for raysweep render: --eye, --target, --up, --ortho.
+    const Vec3 middle = view.origin + view.column * (0.5 * (view.width - 1)) + view.row * (0.5 * (view.height - 1));
+    const Vec3 eye = middle - view.direction * (view.column.length() * (view.width + view.height));
+    report["target"] = {middle.x, middle.y, middle.z};
+    report["eye"] = {eye.x, eye.y, eye.z};
+    report["ortho"] = view.column.length() * view.width;
     writeReport(a.machine.common, report);
     return kDone;
 }

@@ -81,6 +81,7 @@ TurntableResult reconstructTurning(const DenseField& volume, const DenseBox& box
         machineSetup.format = setup.format;
         machineSetup.largestValue = exact.largestValue();
         machineSetup.largestCorrection = exact.largestCorrection();
+        machineSetup.largestSums = exact.largestSums();
         rounded.emplace(box, Vec3(0), machineSetup);
         result.complete = runPasses(views, turntable, *rounded, setup, progress);
         result.volumeToFloat = compareFields(rounded->volume(), exact.volume(), box);
