@@ -99,7 +99,10 @@ class Exchange {
 
     Offer<Word> illuminated(const Arithmetic& arithmetic, Voxel<Word>& voxel, Word ray) const {
         const Offer<Word> term = terms(voxel);
-        const Word in = arithmetic.partOf(ray, term.part), out = arithmetic.partOf(voxel.unshot, term.given);
+        const Word in = arithmetic.partOf(ray, term.part);
+        Word out = arithmetic.partOf(voxel.unshot, term.given);
+        // Codes of the parts that a group shoots, and powers that are rounded, may add up to more than there is.
+        if (!Arithmetic::kExact && setup_.group) out = std::min(out, voxel.unshot + voxel.fresh);
         const Word scattered = arithmetic.partOf(in, voxel.gain);
         Word& changed = setup_.group ? voxel.fresh : voxel.unshot;
         changed = arithmetic.add(arithmetic.subtract(changed, out), scattered);
