@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "cube4/illumination.h"
+#include "cube4/reconstruction.h"
 
 using namespace raysweep;
 using namespace raysweep::cube4;
@@ -41,4 +43,39 @@ TEST(Cube4NumberRange, VoxelsShootNoMoreThanTheyHave) {
             for (const float power : machine.deposit()) held += double(power);
             EXPECT_NEAR(held, 27, 1e-5);  // fields are floats
         }
+}
+
+// λ is counted in units of voxels per unit of rays. Where rays have 16 bits more it would be nothing with 16 fraction
+// bits.
+TEST(Cube4NumberRange, RelaxationIsWhatItIsWhateverTheWidths) {
+    DenseBox box;
+    box.high = Index3(6);
+    box.worldFromIndex.makeIdentity();
+    MeasuredView view;
+    view.rays.origin = Vec3(-1, -1, -5);
+    view.rays.column = Vec3(1, 0, 0);
+    view.rays.row = Vec3(0, 1, 0);
+    view.width = view.height = 9;
+    view.values.assign(81, 3.0f);
+    ReconstructionSetup setup;
+    setup.pipelines = 2;
+    setup.upper = 1;
+    setup.saturation = std::numeric_limits<double>::infinity();
+    const auto meanAfterUpdates = [&] {
+        Reconstruction machine(box, Vec3(0), setup);
+        for (int n = 0; n < 5; ++n) machine.update(view, 0.02);
+        double sum = 0;
+        for (const float value : machine.volume()) sum += double(value);
+        return sum / double(box.voxels());
+    };
+    const double exact = meanAfterUpdates();
+    EXPECT_GT(exact, 0.04);
+    setup.format.emplace().rounding = Rounding::stochastic;
+    setup.format->scalar = 8;
+    for (const int energy : {8, 12, 16, 20, 24}) {
+        SCOPED_TRACE(energy);
+        setup.format->energy = energy;
+        // 216 voxels, each a random half unit of 1/255 off in each of 5 updates: 3e-4. Four times that.
+        EXPECT_NEAR(meanAfterUpdates(), exact, 1.2e-3);
+    }
 }
