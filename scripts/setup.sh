@@ -11,7 +11,7 @@ packages=(
     libgtest-dev libbenchmark-dev clang-format gnuplot-nox python3
 )
 case "${1:-}" in
-    --tests) packages+=(blender python3-numpy) ;;
+    --tests) packages+=(blender python3-numpy verilator yosys) ;;
     "") ;;
     *) echo "usage: scripts/setup.sh [--tests]" >&2 && exit 2 ;;
 esac
