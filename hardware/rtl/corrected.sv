@@ -4,8 +4,8 @@
 module corrected #(
     parameter int ENERGY = 16,
     parameter int SCALAR = 16,
-    parameter int FACTOR = 29,
-    parameter int LAMBDA = 16,  // fraction bits of λ
+    parameter int FACTOR = 32,
+    parameter int LAMBDA = 19,  // fraction bits of λ
     parameter int ROUNDING = 1
 ) (
     input logic signedValue,

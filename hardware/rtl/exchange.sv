@@ -13,8 +13,8 @@ module exchange #(
     parameter int WEIGHT = 12,
     parameter int SUM = 40,
     parameter int SCALAR = 16,
-    parameter int FACTOR = 29,
-    parameter int LAMBDA = 16,
+    parameter int FACTOR = 32,
+    parameter int LAMBDA = 19,
     parameter int RANDOM = 32,
     parameter int ROUNDING = 1
 ) (
@@ -55,6 +55,12 @@ module exchange #(
     logic [SUM-1:0] depositAfter;
     logic [SCALAR-1:0] scalarAfter;
     logic changes;
+    logic [LAMBDA-1:0] low;  // that is dropped of a correction, at random
+
+    generate
+        if (LAMBDA <= RANDOM) assign low = random[LAMBDA-1:0];
+        else assign low = {random[RANDOM-1:0], {(LAMBDA - RANDOM) {1'b0}}};
+    endgenerate
 
     assign ray = along[ENERGY+WEIGHT:WEIGHT+1];
     assign changes = gain != '0 && along[WEIGHT:0] != '0;
@@ -64,7 +70,7 @@ module exchange #(
         .freshAfter, .depositAfter);
     corrected #(.ENERGY(ENERGY), .SCALAR(SCALAR), .FACTOR(FACTOR), .LAMBDA(LAMBDA),
                 .ROUNDING(ROUNDING)) correct (
-        .signedValue, .random(random[LAMBDA-1:0]), .value(scalar), .lowest, .highest, .correction(ray), .factor,
+        .signedValue, .random(low), .value(scalar), .lowest, .highest, .correction(ray), .factor,
         .result(scalarAfter));
 
     // A ray that has its voxel for itself is told the change: what rounding took from one, the other has.

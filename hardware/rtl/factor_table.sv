@@ -6,7 +6,7 @@
 // Latency    one cycle.
 module factor_table #(
     parameter int WEIGHT = 12,
-    parameter int FACTOR = 29
+    parameter int FACTOR = 32
 ) (
     input logic clk,
     input logic loads,

@@ -17,13 +17,13 @@ module reverse_lane #(
     parameter int WEIGHT = 12,          // fraction of interpolation weights
     parameter int SUM = 40,             // deposits
     parameter int SCALAR = 16,          // the value that is reconstructed
-    parameter int FACTOR = 17 + WEIGHT, // λ / weight, with LAMBDA fraction bits
+    parameter int FACTOR = 20 + WEIGHT, // λ / weight, with LAMBDA fraction bits
     parameter int ROUNDING = 1,         // rounded.sv
     parameter int PARTS = 16,           // partial beams of a beam, at most
     parameter int ADDRESS = PARTS > 1 ? $clog2(PARTS) : 1,
-    parameter int RANDOM = 32,          // of a random word: at least PART, WEIGHT and LAMBDA
-    // Fraction bits of λ, which is counted in units of values per unit of corrections.
-    localparam int MORE = ENERGY > SCALAR ? ENERGY - SCALAR : 0, LAMBDA = MORE > 15 ? 31 : 16 + MORE,
+    parameter int RANDOM = 32,          // of a random word; more are zeros
+    // Fraction bits of λ, as FixedPoint::relaxationBits has them.
+    localparam int FINE = 19 + ENERGY - SCALAR, LAMBDA = FINE > 8 ? FINE : 8,
     localparam int RAY = ENERGY + WEIGHT + 1,  // {value, weight}
     localparam int OFFER = PART + ENERGY + 2  // {part, given}, given with a sign
 ) (

@@ -14,7 +14,7 @@ using namespace raysweep::cube4;
 // they are rounded (two halves of an odd one). A word without a sign would then hold nearly its largest power.
 TEST(Cube4NumberRange, VoxelsShootNoMoreThanTheyHave) {
     for (const Rounding rounding : {Rounding::truncate, Rounding::nearest, Rounding::stochastic})
-        for (const int beams : {2, 6, 24, 32}) {
+        for (const int beams : {2, 24}) {
             SCOPED_TRACE(testing::Message() << "rounding " << int(rounding) << ", " << beams << " directions");
             DenseMedium medium;
             medium.box.high = Index3(3);
@@ -72,7 +72,7 @@ TEST(Cube4NumberRange, RelaxationIsWhatItIsWhateverTheWidths) {
     EXPECT_GT(exact, 0.04);
     setup.format.emplace().rounding = Rounding::stochastic;
     setup.format->scalar = 8;
-    for (const int energy : {8, 12, 16, 20, 24}) {
+    for (const int energy : {8, 12, 16, 20, 24, 31}) {
         SCOPED_TRACE(energy);
         setup.format->energy = energy;
         // 216 voxels, each a random half unit of 1/255 off in each of 5 updates: 3e-4. Four times that.

@@ -11,7 +11,7 @@ namespace raysweep::test {
 struct RingFormat {
     cube4::NumberFormat number;
     int pipelines = 1;
-    int factor = 29;  ///< bits of λ / weight
+    int factor = 32;  ///< bits of λ / weight
     int parts = 4;    ///< partial beams of a beam, at most
 };
 

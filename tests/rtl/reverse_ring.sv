@@ -6,7 +6,7 @@ module reverse_ring #(
     parameter int WEIGHT = 12,
     parameter int SUM = 40,
     parameter int SCALAR = 16,
-    parameter int FACTOR = 29,
+    parameter int FACTOR = 32,
     parameter int ROUNDING = 1,
     parameter int PARTS = 4
 ) (
