@@ -30,9 +30,9 @@ count() { # VOLUME NAME SWEEPS PIPELINES OPTIONS...
         --quiet "${@:5}" >/dev/null
 }
 record_views() { # SIZE_X,Y,Z NAME VIEWS: a box, seen from around, one voxel a pixel
-    local x y z
-    IFS=, read -r x y z <<<"$1"
-    local turn=(--parallel --first-angle 10 --detector $((x * 3 / 2)),$((z + 2)),1)
+    local x z
+    IFS=, read -r x _ z <<<"$1"
+    local turn=(--parallel --first-angle 10 --detector "$((x * 3 / 2)),$((z + 2)),1")
     $raysweep generate box -o "$work/box.vdb" --dims "$1" --voxel-size 1 --quiet
     $raysweep project "$work/box.vdb" -o "$work/box.mha" --views "$3" "${turn[@]}" --quiet
     $raysweep ct "$work/box.mha" -o "$work/found.vdb" "${turn[@]}" --size "$1" --spacing 1 --iterations 1 --support none \

@@ -24,10 +24,10 @@ void addMachineOptions(CLI::App& app, MachineArguments& a) {
         ->capture_default_str()
         ->check(CLI::Range(1, kMostPipelines))
         ->type_name("P");
-    app.add_option(
-           "--format", a.format,
-           "Numbers: float, or widths in bits: of energies, or SCALAR,ENERGY,PART,WEIGHT[,SUM] (part: opacities "
-           "and albedos; weight: of interpolation; sum: deposits and line integrals)")
+    app.add_option("--format", a.format,
+                   "Numbers: float, or widths in bits: one for scalars and energies, or "
+                   "SCALAR,ENERGY,PART,WEIGHT[,SUM] (part: opacities "
+                   "and albedos; weight: of interpolation; sum: deposits and line integrals)")
         ->capture_default_str()
         ->type_name("float|BITS");
     app.add_option("--rounding", a.rounding, "Rounding of products: truncate, nearest or stochastic")
@@ -74,7 +74,14 @@ std::optional<cube4::NumberFormat> parseFormat(const MachineArguments& a) {
 }
 
 void requireMachine(const CLI::App& command, const MachineArguments& a) {
-    if (const auto format = parseFormat(a)) requireValid(command, [&] { format->validate(); });
+    if (const auto format = parseFormat(a))
+        requireValid(command, [&] {
+            try {
+                format->validate();
+            } catch (const InvalidArgument& e) {
+                throw about("format", e);
+            }
+        });
     if (a.tracePicture.empty()) return;
     requireFileOutput(a.tracePicture, "--trace-picture");
     if (std::filesystem::path(a.tracePicture).extension() != ".svg") usageError("--trace-picture", "is an .svg file");

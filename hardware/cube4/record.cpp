@@ -27,7 +27,9 @@ auto readRecord(const std::string& path, const std::string& kind, const Read& re
     const nlohmann::json json = readJson(path);
     try {
         JsonFields fields(json, "");
-        if (fields.text("raysweep_record") != kind) fields.fail("raysweep_record", "\"" + kind + "\"");
+        if (const std::string found = fields.text("raysweep_record"); found != kind)
+            fields.fail("raysweep_record",
+                        "\"" + kind + "\"; it is \"" + found + "\", which is for another subcommand");
         auto record = read(fields);
         record.file.path = path;
         record.file.kind = kind;
@@ -120,6 +122,17 @@ Value oneOf(JsonFields& fields, const std::string& key, const std::string& first
     return text == first ? ofFirst : ofSecond;
 }
 
+/// The grid of line integrals has a voxel for each pixel of each view.
+void requireProjections(const ReconstructionRecord& record) {
+    const openvdb::CoordBBox found = fieldOf(record.file, "projections")->evalActiveVoxelBoundingBox();
+    const openvdb::CoordBBox wanted(openvdb::Coord(0),
+                                    openvdb::Coord(record.width - 1, record.height - 1, int(record.views.size()) - 1));
+    if (found != wanted)
+        throw IoError(record.file.fields.path + ": its projections are not those of " +
+                      std::to_string(record.views.size()) + " views of " + std::to_string(record.width) + "x" +
+                      std::to_string(record.height) + " pixels, which " + record.file.path + " has");
+}
+
 }  // namespace
 
 std::string recordKind(const std::string& path) {
@@ -206,11 +219,14 @@ ReconstructionRecord readReconstructionRecord(const std::string& path, std::size
                 one.views.push_back(int(view));
             }
             one.relaxation = update.number("relaxation");
+            if (!(one.relaxation > 0 && one.relaxation < 2)) update.fail("relaxation", "between 0 and 2");
             read.updates.push_back(one);
         });
+        if (read.updates.empty()) fields.fail("updates", "at least one");
         return read;
     });
     requireAtMost(record.box, mostVoxels);
+    requireProjections(record);
     return record;
 }
 

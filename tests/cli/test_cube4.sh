@@ -76,7 +76,7 @@ refuse() { # CODE TEXT ARGUMENTS...
 refuse 2 "pipelines" illuminate cloud.vdb -o out/a.vdb --pipelines 0
 refuse 2 "pipelines" illuminate cloud.vdb -o out/a.vdb --pipelines 5000
 refuse 2 "--format" illuminate cloud.vdb -o out/a.vdb --format double
-refuse 2 "energy 3: must be 4 to 31 bits" illuminate cloud.vdb -o out/a.vdb --format 16,3,12,12
+refuse 2 "--format: energy 3: must be 4 to 31 bits" illuminate cloud.vdb -o out/a.vdb --format 16,3,12,12
 refuse 2 "give one width" illuminate cloud.vdb -o out/a.vdb --format 16,12
 refuse 1 "has more than 1000 voxels" illuminate cloud.vdb -o out/a.vdb --sky 1 --max-voxels 1000
 refuse 1 "has more than 1000 voxels" check lit.vdb --replay run.json --max-voxels 1000
@@ -95,6 +95,13 @@ refuse 1 "length" render lit.vdb -o out/a.png --view 0,0,0
 refuse 1 "along" render lit.vdb -o out/a.png --view 0,0,1
 refuse 2 ".exr or .png" render lit.vdb -o out/a.jpg --view 0,1,0
 refuse 1 "radiosity" render cloud.vdb -o out/a.png --view 0,1,0
+refuse 1 "which is for another subcommand" illuminate --replay ct.json
+python3 -c "import json; r = json.load(open('ct.json')); r['updates'] = []; json.dump(r, open('out.json', 'w'))"
+refuse 1 "'updates' must be at least one" check vol.vdb --replay out.json
+python3 -c "import json; r = json.load(open('ct.json')); r['updates'][0]['relaxation'] = -1e300; json.dump(r, open('out.json', 'w'))"
+refuse 1 "relaxation' must be between 0 and 2" check vol.vdb --replay out.json
+python3 -c "import json; r = json.load(open('ct.json')); r['geometry']['width'] = 40; json.dump(r, open('out.json', 'w'))"
+refuse 1 "its projections are not those of 9 views of 40x20 pixels" check vol.vdb --replay out.json
 ct -o vol2.vdb --record sirt.json --method sirt
 refuse 1 "several views at once" reconstruct --replay sirt.json -o out/a.vdb
 finish
