@@ -151,8 +151,7 @@ void addOutputOptions(CLI::App& app, LightArguments& a) {
         ->type_name("N");
     app.add_option("--plot", a.plot, "Draw the convergence (needs gnuplot)")->type_name("FILE.svg|.png");
     app.add_option("--record", a.record,
-                   "Write all that it takes to make the same sweeps again, to this file and to RUN.vdb beside it; not "
-                   "for scenes with surfaces or quads")
+                   "Write all that it takes to make the same sweeps again, to this file and to RUN.vdb beside it")
         ->type_name("RUN.json");
     app.add_flag("--explain", a.explain, "Say what will be modelled and why, and stop; needs no -o");
 }

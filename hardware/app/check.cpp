@@ -67,21 +67,21 @@ int checkLight(const Arguments& a, TerminalProgress& progress) {
         message(a.machine.common, "stopped; nothing was checked");
         return kInterrupted;
     }
-    // What is written reaches a voxel beyond the medium; there is nothing to compare.
-    const auto extinction = fieldOf(record.file, "extinction");
-    const cube4::DenseField depth = cube4::denseField(*extinction, record.box);
-    cube4::Agreement agreement;
-    for (int c = 0; c < record.channels; ++c) {
-        cube4::DenseField ours = result.radiosityFields[std::size_t(c)];
-        cube4::DenseField theirs = cube4::denseField(*lit, record.box, c);
-        for (std::size_t i = 0; i < theirs.size(); ++i)
-            if (!(depth[i] > 0)) theirs[i] = ours[i] = 0;
-        agreement = cube4::worseOf(agreement, cube4::compareFields(ours, theirs, record.box));
-    }
+    const cube4::RadiosityJudgement judged = cube4::judgeRadiosity(record, result, *lit);
+    // What surfaces show has to be normalised by a furnace that the machine does not run: there the powers are judged.
+    cube4::Agreement agreement = judged.agreement;
+    if (judged.voxels < judged.active)
+        agreement = cube4::worseOf(agreement, cube4::worseOf(result.deposit, result.unshot));
     const double seconds = timer.seconds();
     printReplay(result);
     printUse("machine", a.machine, useOf(result, record.box.voxels(), seconds));
-    return verdict(a, agreement, describeReplay(a.machine, record, result, seconds));
+    if (judged.voxels < judged.active)
+        std::cout << "radiosity judged in " << judged.voxels << " of " << judged.active
+                  << " voxels: of surfaces, and what is behind them, deposit and unshot power\n";
+    nlohmann::ordered_json report = describeReplay(a.machine, record, result, seconds);
+    report["radiosity"] = toJson(judged.agreement);
+    report["voxels_judged"] = judged.voxels;
+    return verdict(a, agreement, std::move(report));
 }
 
 int checkReconstruction(const Arguments& a, TerminalProgress& progress) {

@@ -30,6 +30,7 @@ struct FloatArithmetic {
         return std::clamp(x + relaxation * (mean.value / mean.weight), bounds.value, bounds.weight);
     }
     Word one() const { return 1; }
+    Word partWord(double part) const { return Word(part); }
 };
 
 }  // namespace raysweep::cube4

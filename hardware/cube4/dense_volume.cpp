@@ -36,6 +36,7 @@ void forEachInside(const Grid& grid, const DenseBox& box, const Visit& visit) {
     forEachActive(grid, [&](const auto& value, const openvdb::CoordBBox& of) {
         openvdb::CoordBBox common = of;
         common.intersect(inside);
+        if (common.empty()) return;
         for (auto voxel = common.begin(); voxel; ++voxel) visit(toIndex(*voxel), value);
     });
 }

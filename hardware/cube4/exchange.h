@@ -5,15 +5,19 @@
 // Per cycle  in: voxels, and rays interpolated at them; out: the changed voxels, and what they have for rays.
 // Latency    one cycle.
 //
-//     illuminating     α = 1 - exp(-σ len),  in = e α,  out = U s,      s the part that is shot
-//                      D += in,  U += g in - out + source;              the ray is offered α and out; if it is alone
-//                      with
-//                                                                       the voxel (nearest) 0 and out - in
+//     illuminating     α = 1 - exp(-σ len),  in = e α,  out = U s,  s the part that is shot
+//                      D += in,  U += g in - out + source
+//                      the ray is offered α and out; 0 and out - in where it is alone with the voxel (nearest)
 //     projecting       the ray is offered 1 and x
 //     backprojecting   x = clamp(x + λ c / w),  c the corrections of rays, w how much of rays that count is here
+//
+// A voxel with a surface of normal n takes from rays that arrive, ω·n < 0, and shoots s = min(most, 4 part) ω·n into
+// those that leave; as printed it takes α |ω·n| and shoots most ω·n.
 #pragma once
 
 #include "cube4/ray_across.h"
+
+#include "raysweep/core/types.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,12 +32,15 @@ template <class Word>
 struct ExchangeSetup {
     Pass pass = Pass::illuminate;
     // Illuminating.
-    double depth = 1;     ///< optical depth of a voxel of scalar 1 along a ray
-    double part = 1;      ///< s is at most part / p times (1 - exp(-τ)) / τ along a ray, p the escape probability,
-    double most = 1;      ///< and at most this
-    bool inject = false;  ///< sources are added
-    bool group = false;   ///< one of several directions that see the same U: changes are added up beside it,
-    bool settle = true;   ///< and become part of it in the last one
+    double depth = 1;      ///< optical depth of a voxel of scalar 1 along a ray
+    double part = 1;       ///< s is at most part / p times (1 - exp(-τ)) / τ along a ray, p the escape probability,
+    double most = 1;       ///< and at most this
+    bool printed = false;  ///< surfaces as Algorithm 1 is printed
+    double ofSurface = 1;  ///< a surface shoots this times the cosine
+    Vec3 travel{0, 0, 1};  ///< direction of travel, world space, unit
+    bool inject = false;   ///< sources are added
+    bool group = false;    ///< one of several directions that see the same U: changes are added up beside it,
+    bool settle = true;    ///< and become part of it in the last one
     // Backprojecting.
     Word relaxation{};   ///< λ
     Ray<Word> bounds{};  ///< least and largest value of a voxel
@@ -97,8 +104,19 @@ class Exchange {
         }
     }
 
+    /// The same of a voxel that has a surface: `term`, changed.
+    Offer<Word> atSurface(const Arithmetic& arithmetic, const Voxel<Word>& voxel, const Offer<Word>& term) const {
+        float cosine = 0;
+        for (int axis = 0; axis < 3; ++axis) cosine += voxel.normal[std::size_t(axis)] * float(setup_.travel[axis]);
+        const float leaving = std::clamp(cosine, 0.0f, 1.0f), arriving = std::clamp(-cosine, 0.0f, 1.0f);
+        const Word shot = arithmetic.partWord(double(leaving) * setup_.ofSurface);
+        if (!(arriving > 0)) return {Word{}, shot};
+        return {setup_.printed ? arithmetic.partOf(term.part, arithmetic.partWord(double(arriving))) : term.part, shot};
+    }
+
     Offer<Word> illuminated(const Arithmetic& arithmetic, Voxel<Word>& voxel, Word ray) const {
-        const Offer<Word> term = terms(voxel);
+        Offer<Word> term = terms(voxel);
+        if (hasSurface(voxel)) term = atSurface(arithmetic, voxel, term);
         const Word in = arithmetic.partOf(ray, term.part);
         Word out = arithmetic.partOf(voxel.unshot, term.given);
         // Codes of the parts that a group shoots, and powers that are rounded, may add up to more than there is.

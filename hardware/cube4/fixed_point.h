@@ -66,6 +66,8 @@ class FixedPoint {
     }
     /// A part of 1.
     Word one() const { return Word(1) << format_.part; }
+    /// The word of a part, as a table gives it.
+    Word partWord(double part) const { return std::llround(std::ldexp(part, format_.part)); }
 
     /// `value` / 2^bits, rounded.
     Word shifted(Word value, int bits) const {

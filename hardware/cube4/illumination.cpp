@@ -25,7 +25,8 @@ DenseField escapes(const DenseMedium& medium, ExchangeRule rule) {
     if (rule == ExchangeRule::asPrinted) return escape;
     const EscapeTable table(medium.box.worldFromIndex);
     for (std::size_t i = 0; i < escape.size(); ++i)
-        if (medium.extinction[i] > 0) escape[i] = float(table.probability(double(medium.extinction[i])));
+        if (medium.extinction[i] > 0 && !medium.isSurface(i))
+            escape[i] = float(table.probability(double(medium.extinction[i])));
     return escape;
 }
 
@@ -78,6 +79,8 @@ class MachineOf : public Illumination::Machine {
             voxel.scalar = toWord(double(counting(medium.extinction[i], voxelEdge(box_))), scalarUnit_);
             voxel.gain = toWord(double(gain[i]), partUnit_);
             voxel.escape = toWord(1 / double(escape[i]), 1);
+            for (std::size_t axis = 0; medium.isSurface(i) && axis < 3; ++axis)
+                voxel.normal[axis] = medium.normal[axis][i];
             if (!medium.source.empty()) voxel.source = toPower(double(medium.source[i]), "source");
             if (!medium.unshot.empty()) voxel.unshot = toPower(double(medium.unshot[i]), "unshot power");
         });
@@ -94,6 +97,7 @@ class MachineOf : public Illumination::Machine {
         setup.inject = inject;
         setup.group = group;
         setup.settle = last;
+        setup.travel = front.direction.normalized();
         RayPlane<Word> entering(traversal, slices);
         const Word power = toPower(front.entering, "power of a ray");
         for (Ray<Word>& ray : entering.rays) ray.value = power;
@@ -178,6 +182,8 @@ class MachineOf : public Illumination::Machine {
         setup.depth = (printed ? voxelEdge(box_) : traversal.stepLength) * scalarUnit_;
         setup.part = printed ? 1e30 : setup_.zeta;
         setup.most = printed ? std::min(setup_.mostShot, setup_.zeta) : setup_.mostShot;
+        setup.printed = printed;
+        setup.ofSurface = std::min(setup_.mostShot, printed ? setup_.zeta : 4 * setup_.zeta);
         if constexpr (!Arithmetic::kExact) fillTables(setup);
         return setup;
     }
@@ -288,7 +294,7 @@ DenseField radiosity(const DenseMedium& medium, const IlluminationSetup& setup, 
     DenseField radiosity(deposit.size(), 0.0f);
     for (std::size_t i = 0; i < deposit.size(); ++i) {
         const double extinction = double(counting(medium.extinction[i], edge));
-        if (!(extinction > 0)) continue;
+        if (!(extinction > 0) || medium.isSurface(i)) continue;
         const double absorbs =
             printed ? -std::expm1(-extinction * edge) * volume * meanInverse : extinction * volume * double(escape[i]);
         const double source = medium.source.empty() ? 0 : double(medium.source[i]);

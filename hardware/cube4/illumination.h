@@ -7,6 +7,7 @@
 #include "cube4/escape_table.h"
 #include "cube4/fixed_point.h"
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -22,10 +23,15 @@ enum class ExchangeRule {
 /// One wavelength of a medium. Powers are in any one unit.
 struct DenseMedium {
     DenseBox box;
-    DenseField extinction;  ///< 1/world unit
-    DenseField albedo;      ///< in [0,1]
-    DenseField source;      ///< power that every sweep injects in a voxel; empty: none
-    DenseField unshot;      ///< power that is there to be shot before the first sweep; empty: none
+    DenseField extinction;             ///< 1/world unit
+    DenseField albedo;                 ///< in [0,1]
+    std::array<DenseField, 3> normal;  ///< of surfaces, outwards, world space, 0 elsewhere; empty: none
+
+    bool isSurface(std::size_t i) const {
+        return !normal[0].empty() && (normal[0][i] != 0 || normal[1][i] != 0 || normal[2][i] != 0);
+    }
+    DenseField source;  ///< power that every sweep injects in a voxel; empty: none
+    DenseField unshot;  ///< power that is there to be shot before the first sweep; empty: none
 };
 
 struct IlluminationSetup {
@@ -87,7 +93,8 @@ DenseField directDeposit(const DenseMedium& medium, const IlluminationSetup& set
 /// World area per ray of a front, across it.
 double crossSection(const DenseBox& box, const Vec3& direction);
 
-/// Source radiance S = (q + g D / n) / F (docs/illumination.md, eq. L5), in units of power / (world unit^2 sr).
+/// Source radiance S = (q + g D / n) / F (docs/illumination.md, eq. L5), in units of power / (world unit^2 sr); 0 at
+/// surfaces, whose F has to be measured.
 DenseField radiosity(const DenseMedium& medium, const IlluminationSetup& setup, const DenseField& deposit,
                      int injections);
 

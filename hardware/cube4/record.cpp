@@ -174,6 +174,7 @@ IlluminationRecord readIlluminationRecord(const std::string& path, std::size_t m
             read.suns.push_back({sun.vector("direction"), numbers(sun, "irradiance", std::size_t(read.channels))});
         });
         read.otherSources = flag(fields, "other_sources");
+        read.surfaceOpacity = fields.number("surface_opacity");
         forEachElement(fields, "groups",
                        [&](JsonFields& group) { read.groups.push_back(readGroup(group, std::size_t(read.channels))); });
         read.injections = fields.integer("injections");

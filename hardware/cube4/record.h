@@ -49,6 +49,7 @@ struct IlluminationRecord {
     double zeta = 0.5, mostShot = 1;
     std::vector<RecordedSun> suns;
     bool otherSources = false;  ///< points, quads, emission
+    double surfaceOpacity = 0;  ///< of a voxel edge, from which on what is behind a surface is solid; 0: a fog
     std::vector<RecordedGroup> groups;
     int injections = 0;
     bool settled = false;

@@ -180,12 +180,36 @@ Agreement worseOf(const Agreement& a, const Agreement& b) {
     return worse;
 }
 
+RadiosityJudgement judgeRadiosity(const IlluminationRecord& record, const ReplayResult& result,
+                                  const openvdb::GridBase& radiosity) {
+    const DenseMedium medium = mediumOf(record, 0);
+    const double edge = std::cbrt(record.box.voxelVolume());
+    RadiosityJudgement judgement;
+    std::vector<bool> judged(medium.extinction.size());
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+        const double opacity = -std::expm1(-double(medium.extinction[i]) * edge);
+        const bool solid = record.surfaceOpacity > 0 && opacity >= record.surfaceOpacity;
+        judged[i] = medium.extinction[i] > 0 && !medium.isSurface(i) && !solid;
+        judgement.voxels += judged[i];
+        judgement.active += medium.extinction[i] > 0;
+    }
+    for (int c = 0; c < record.channels; ++c) {
+        DenseField ours = result.radiosityFields[std::size_t(c)], theirs = denseField(radiosity, record.box, c);
+        for (std::size_t i = 0; i < theirs.size(); ++i)
+            if (!judged[i]) theirs[i] = ours[i] = 0;
+        judgement.agreement = worseOf(judgement.agreement, compareFields(ours, theirs, record.box));
+    }
+    return judgement;
+}
+
 DenseMedium mediumOf(const IlluminationRecord& record, int channel) {
     DenseMedium medium;
     medium.box = record.box;
     medium.extinction = denseField(*fieldOf(record.file, "extinction"), record.box);
     medium.albedo = record.albedo.empty() ? denseField(*fieldOf(record.file, "albedo"), record.box, channel)
                                           : DenseField(record.box.voxels(), float(record.albedo[std::size_t(channel)]));
+    if (const auto normal = fieldOf(record.file, "normal", true))
+        for (int axis = 0; axis < 3; ++axis) medium.normal[std::size_t(axis)] = denseField(*normal, record.box, axis);
     if (const auto source = fieldOf(record.file, "source", true))
         medium.source = denseField(*source, record.box, channel);
     if (const auto start = fieldOf(record.file, "unshot_start", true))

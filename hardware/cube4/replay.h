@@ -51,6 +51,16 @@ struct ReplayResult {
 /// Does all groups of the record. @throw InvalidArgument where the format cannot hold the powers
 ReplayResult replay(const IlluminationRecord& record, const ReplaySetup& setup, const ProgressCallback& progress = {});
 
+/// How the answer agrees with a lit file's.
+struct RadiosityJudgement {
+    Agreement agreement;                 ///< of the worst wavelength
+    std::size_t voxels = 0, active = 0;  ///< judged, of those that are not empty
+};
+
+/// Surfaces are left out, and in solids what is as opaque as to be behind one.
+RadiosityJudgement judgeRadiosity(const IlluminationRecord& record, const ReplayResult& result,
+                                  const openvdb::GridBase& radiosity);
+
 /// One wavelength of what a record says of the medium.
 DenseMedium mediumOf(const IlluminationRecord& record, int channel);
 

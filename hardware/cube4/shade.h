@@ -48,7 +48,7 @@ class Shade {
         for (std::size_t lane = 0; lane < shaded.size(); ++lane) {
             shaded[lane] = classified(arithmetic, neighbours[lane].middle);
             shaded[lane].given =
-                arithmetic.partOf(shaded[lane].given, partWord(arithmetic, cosine(*beam.slice, neighbours[lane])));
+                arithmetic.partOf(shaded[lane].given, arithmetic.partWord(cosine(*beam.slice, neighbours[lane])));
         }
     }
 
@@ -64,11 +64,6 @@ class Shade {
             const Word opacity = setup_.opacity[std::size_t(sample.part >> setup_.tableShift)];
             return {opacity, arithmetic.partOf(sample.given, opacity)};
         }
-    }
-
-    static Word partWord(const Arithmetic& arithmetic, double part) {
-        if constexpr (Arithmetic::kExact) return Word(part);
-        return Word(std::llround(part * double(arithmetic.one())));
     }
 
     /// As a table for the gradient gives it.

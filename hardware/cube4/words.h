@@ -4,6 +4,7 @@
 /// the pass goes (traversal.h). The voxel (u, v, k) and the data that belong to it are in pipeline (u + v + k) mod p.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -23,7 +24,13 @@ struct Voxel {
     Word unshot{};   ///< U
     Word deposit{};  ///< D
     Word fresh{};    ///< what a group of directions has added to U so far
+    std::array<float, 3> normal{};  ///< of a surface, outwards, world space; 0: none
 };
+
+template <class Word>
+bool hasSurface(const Voxel<Word>& voxel) {
+    return voxel.normal[0] != 0 || voxel.normal[1] != 0 || voxel.normal[2] != 0;
+}
 
 /// A ray as the compositing buffer holds it.
 template <class Word>

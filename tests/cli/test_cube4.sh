@@ -28,6 +28,15 @@ for options in "--exchange paper --dark-start" "--interpolation linear" "--albed
     expect_exit 0 "$cube4" check lit2.vdb --replay run2.json --max-rms 2e-6 --pipelines 7
 done
 
+# A solid has surfaces: their deposit and unshot power are judged, and the radiosity of what is around.
+"$raysweep" generate sphere -o ball.vdb --size 24
+for exchange in auto paper; do
+    expect_exit 0 "$raysweep" light ball.vdb --ramp 0.2,0.9 --exchange $exchange --sun 0.4,0.3,-1,2 --sky 0.3 --sweeps 40 --tolerance 0 -o lit2.vdb --record solid.json
+    expect_exit 0 "$cube4" check lit2.vdb --replay solid.json --max-rms 2e-6 --report report.json
+    expect_output "radiosity judged in"
+    expect_json report.json "r['deposit']['rms'] < 2e-6 and r['unshot']['rms'] < 2e-6 and abs(r['balance']) < 1e-6 and r['direct_light']['rms'] < 2e-6"
+done
+
 # Widths: an error that the report says, against floats and against the software.
 expect_exit 0 "$cube4" illuminate cloud.vdb --replay run.json -o replayed.vdb --format 12 --report report.json
 expect_json report.json "1e-4 < r['rms_against_float'] < 0.1 and abs(r['rms_against_float'] / r['deposit']['rms'] - 1) < 0.01"

@@ -35,12 +35,14 @@ expect_json coarse.json "r['volume']['checksum'] == '$checksum' and r['lattice']
 expect_exit 0 "$raysweep" light recorded.vdb --sky 1 --sweeps 4 --tolerance 0 -o relit.vdb --record again.json
 expect_json again.json "r['volume']['checksum'] == '$checksum'"
 
-# What cannot be: surfaces, quads; files that are in each other's way or cannot be written.
+# Surfaces have normals.
+expect_exit 0 "$raysweep" light cloud.vdb --ramp 0,1 --sky 1 --sweeps 4 --tolerance 0 -o lit.vdb --record solid.json
+expect_json solid.json "r['surface_opacity'] == 0.1"
+info solid.vdb
+expect_json info.json "'normal' in $names"
+
+# What cannot be: files that are in each other's way or cannot be written.
 to=(-o out/lit.vdb --record out/run.json)
-refuse 1 "--record: a scene with surfaces cannot be replayed; light it with --exchange medium" \
-    "$raysweep" light cloud.vdb --ramp 0,1 --sky 1 "${to[@]}"
-expect_exit 0 "$raysweep" light cloud.vdb --ramp 0,1 --sky 1 --exchange medium --sweeps 4 --tolerance 0 -o lit.vdb --record solid.json
-refuse 1 "--record: quad lights" light --quad 0,0,60,9,0,0,0,9,0,1 "${to[@]}"
 refuse 2 "must end in .json" light -o out/lit.vdb --record out/run.txt
 refuse 2 "'out/lit.vdb' would be written" light -o out/lit.vdb --record out/lit.json
 refuse 2 "'./cloud.vdb' would be written" light -o out/lit.vdb --record ./cloud.json

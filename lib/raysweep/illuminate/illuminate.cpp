@@ -19,12 +19,9 @@ double sweepsToReach(const BrickLayout& layout, std::size_t emitters) {
     return 4 * kPi * radius * radius / double(emitters);
 }
 
-/// @throw InvalidArgument for what a record does not hold: normals, and rays that come in again.
-void requireRecordable(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
-    const auto refuse = [](const std::string& why) { throw about("record", InvalidArgument(why)); };
-    if (plan.surfaces) refuse("a scene with surfaces cannot be replayed; light it with `exchange` medium");
-    if (!scene.quads.empty()) refuse("quad lights, which shine to one side as surfaces do, cannot be replayed");
-    if (isPeriodic(options.periodic)) refuse("a periodic volume cannot be replayed");
+/// @throw InvalidArgument for what a record does not hold: rays that come in again.
+void requireRecordable(const IlluminateOptions& options) {
+    if (isPeriodic(options.periodic)) throw about("record", InvalidArgument("a periodic volume cannot be replayed"));
 }
 
 void take(SweepRecord record, Illumination& result) {
@@ -47,7 +44,7 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
         throw InvalidArgument("a point light cannot be used in a periodic volume: it would repeat as well");
     Illumination result;
     result.plan = planIllumination(scene, options);
-    if (options.record) requireRecordable(scene, options, result.plan);
+    if (options.record) requireRecordable(options);
 
     Timer timer;
     SolverState state = prepareState(scene, options, result.plan);

@@ -56,6 +56,7 @@ Json describe(const IlluminationRecord& record, const std::string& path) {
         json["suns"].push_back(
             {{"direction", arrayOf(sun.direction)}, {"irradiance", channelsOf(sun.irradiance, channels)}});
     json["other_sources"] = record.otherSources;
+    json["surface_opacity"] = record.surfaceOpacity;
     json["groups"] = Json::array();
     for (const RecordedGroup& group : record.groups) json["groups"].push_back(describe(group, channels));
     json["injections"] = record.injections;
@@ -74,6 +75,7 @@ void writeRecord(const std::string& path, const IlluminationRecord& record) {
     };
     add(record.extinction, "extinction");
     add(record.albedoGrid, "albedo");
+    add(record.normals, "normal");
     add(record.source, "source");
     add(record.unshotStart, "unshot_start");
     add(record.deposit, "deposit");

@@ -45,7 +45,8 @@ struct IlluminationRecord {
     int channels = 1;
     double albedo[kMaxChannels] = {0};  ///< if there is no `albedoGrid`
     std::vector<Sun> suns;
-    bool otherSources = false;  ///< point lights or emission
+    bool otherSources = false;  ///< point lights, quads or emission
+    double surfaceOpacity = 0;  ///< opacity of a voxel edge from which on what is behind a surface is solid; 0: a fog
 
     double powerUnit = 1;           ///< W; all powers here are in it
     double zeta = 0, mostShot = 0;  ///< of a beam, see ExchangeConstants; 0 without sweeps
@@ -55,6 +56,7 @@ struct IlluminationRecord {
 
     openvdb::FloatGrid::Ptr extinction;     ///< that was solved, 1/world unit
     openvdb::GridBase::Ptr albedoGrid;      ///< null: uniform
+    openvdb::GridBase::Ptr normals;         ///< of surface voxels, outwards, world space; null: no surfaces
     openvdb::GridBase::Ptr source;          ///< power that each injection adds to U; null: none
     openvdb::GridBase::Ptr unshotStart;     ///< U before the first group; null: 0
     openvdb::GridBase::Ptr deposit;         ///< D after the last group, the sum over all of them

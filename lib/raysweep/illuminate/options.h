@@ -65,8 +65,8 @@ struct IlluminateOptions {
     std::function<void(int sweep, openvdb::GridBase::Ptr radiosity)> snapshot;
     /// Called after every sweep with what its rays carried, W, for those who want to look closer.
     std::function<void(const Vec3& direction, const RaySums& totals)> afterSweep;
-    /// Filled with all that it takes to make the same sweeps again; null: nothing is recorded. Scenes with surfaces or
-    /// quad lights and periodic volumes cannot be.
+    /// Filled with all that it takes to make the same sweeps again; null: nothing is recorded. Periodic volumes
+    /// cannot be.
     IlluminationRecord* record = nullptr;
 
     /// @throw InvalidArgument naming field, value and bound.

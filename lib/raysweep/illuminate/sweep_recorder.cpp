@@ -4,6 +4,25 @@
 #include "raysweep/core/parallel.h"
 
 namespace raysweep {
+namespace {
+
+/// Normals as the sweeps have them.
+openvdb::GridBase::Ptr normalGrid(const SolverState& state, const openvdb::math::Transform& transform) {
+    const BrickLayout& layout = state.medium.volume.layout;
+    BrickField components[3];
+    for (BrickField& component : components) component = BrickField(layout.brickCount());
+    for (std::size_t b = 0; b < layout.brickCount(); ++b) {
+        const PackedNormal* const normals = state.solid.surfaces.normals(b);
+        for (int i = 0; normals && i < kBrickVoxels; ++i) {
+            if (normals[i] == 0) continue;
+            const Vec3 normal = unpackNormal(normals[i]);
+            for (int axis = 0; axis < 3; ++axis) components[axis].brick(b)[i] = float(normal[axis]);
+        }
+    }
+    return sparseGridFromFields(layout, transform, components, 3);
+}
+
+}  // namespace
 
 void recordScene(IlluminationRecord& record, const SolverState& state, const Scene& scene,
                  const IlluminateOptions& options) {
@@ -20,7 +39,9 @@ void recordScene(IlluminationRecord& record, const SolverState& state, const Sce
     record.interpolation = options.interpolation;
     record.channels = medium.channels;
     record.suns = scene.suns;
-    record.otherSources = !scene.points.empty() || scene.medium.emission;
+    record.otherSources = !scene.points.empty() || !scene.quads.empty() || scene.medium.emission;
+    if (state.solid.present) record.surfaceOpacity = state.solid.threshold;
+    if (!state.solid.surfaces.empty()) record.normals = normalGrid(state, scene.medium.density->transform());
     record.powerUnit = state.power.unit;
     record.extinction = extinctionGrid(scene.medium);
     if (medium.uniformAlbedo)
