@@ -6,8 +6,8 @@
 #include "cube4/offer_across.h"
 #include "cube4/offer_along.h"
 #include "cube4/ray_along.h"
+#include "cube4/ray_return.h"
 #include "cube4/ray_update.h"
-#include "cube4/router.h"
 #include "cube4/sequencer.h"
 
 #include "raysweep/core/error.h"
@@ -32,7 +32,7 @@ class Machine {
           pass_(input.setup.pass),
           sequencer_(input.traversal, input.slices, pipelines, intervalOf(pass_, options)),
           shape_(shapeOf(pipelines, sequencer_.parts(), input.traversal.reach > 0, pass_)),
-          buffer_(input.traversal, pipelines),
+          buffer_(input.traversal, pipelines, diverges()),
           readVoxels_(std::size_t(pipelines)),
           readRays_(std::size_t(pipelines)),
           voxelsWait_(pipelines, 3),
@@ -44,8 +44,9 @@ class Machine {
           offerAcross_(shape_),
           offerAlong_(shape_),
           rayUpdate_(pipelines, pass_),
-          router_(shape_) {
-        result_.leaving = RayPlane<Word>(input.traversal, input.slices);
+          return_(shape_, diverges()) {
+        // A ray that comes from a point and does not meet this part of the volume leaves as it came.
+        result_.leaving = diverges() ? input.entering : RayPlane<Word>(input.traversal, input.slices);
     }
 
     PassResult<Word> run() {
@@ -53,7 +54,7 @@ class Machine {
         result_.raysEntered = buffer_.entered();
         result_.largestRay = rayUpdate_.largest;
         result_.rayWords = buffer_.raysPerPipeline() * std::size_t(shape_.rayWords);
-        result_.bufferWords = rayAlong_.bufferWords() + offerAlong_.bufferWords();
+        result_.bufferWords = rayAlong_.bufferWords() + offerAlong_.bufferWords() + return_.bufferWords();
         return std::move(result_);
     }
 
@@ -63,6 +64,8 @@ class Machine {
         if (pass == Pass::project) return 1;
         return options.overlap ? 2 : 4;
     }
+
+    bool diverges() const { return input_.slices.front().diverges(); }
 
     static StageShape shapeOf(int pipelines, int parts, bool linear, Pass pass) {
         return {pipelines, parts, linear, pass == Pass::illuminate ? 1 : 2, pass == Pass::backproject ? 0 : 2};
@@ -74,8 +77,13 @@ class Machine {
         ++counters.cycles;
         memory_.beginCycle();
         buffer_.beginCycle();
-        writeRays();
-        router_.tick(rayUpdate_.out, rayUpdate_.rays, counters);
+        if (return_.write(buffer_, counters)) --underWay_;
+        if (return_.isFull()) {
+            ++counters.stalls;
+            sequencer_.note(return_.out());
+            return;
+        }
+        return_.tick(rayUpdate_.out, rayUpdate_.rays, counters);
         const Lanes<typename RayAcross<Arithmetic>::Rays>& ending = endingWait_.pass(exchange_.rays);
         rayUpdate_.tick(arithmetic_, offerAlong_.out, ending, offerAlong_.offers, input_.traversal, buffer_,
                         result_.leaving);
@@ -89,19 +97,9 @@ class Machine {
         if (raysRead_) buffer_.read(raysRead_, 0, input_.traversal, input_.entering, readRays_, counters);
         voxelsRead_ = sequencer_.out;
         if (voxelsRead_) memory_.read(voxelsRead_, input_.traversal, readVoxels_, counters);
-        sequencer_.tick(router_.out(), counters);
+        sequencer_.tick(return_.out(), counters);
         if (sequencer_.out) ++underWay_;
         if (options_.trace) record(*options_.trace);
-    }
-
-    void writeRays() {
-        const Beam<Weight>& beam = router_.out();
-        if (!beam) return;
-        --underWay_;
-        for (std::size_t lane = 0; lane < router_.rays().size(); ++lane) {
-            const FinishedRay<Word>& ray = router_.rays()[lane];
-            if (ray.slot >= 0) buffer_.write(lane, ray.slot, ray.ray, result_.counters);
-        }
     }
 
     /// Where voxels and rays share a port, a cycle later: that is when it is free.
@@ -126,7 +124,7 @@ class Machine {
                                     {"offer_across", &offerAcross_.out},
                                     {"offer_along", &offerAlong_.out},
                                     {"ray_update", &rayUpdate_.out},
-                                    {"router", &router_.out()}});
+                                    {"router", &return_.out()}});
     }
 
     const Arithmetic& arithmetic_;
@@ -152,7 +150,7 @@ class Machine {
     OfferAcross<Arithmetic> offerAcross_;
     OfferAlong<Arithmetic> offerAlong_;
     RayUpdate<Arithmetic> rayUpdate_;
-    Router<Arithmetic> router_;
+    RayReturn<Arithmetic> return_;
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// What the machine counts while it runs. Nothing here is computed from sizes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,10 +17,18 @@ struct Counters {
     std::uint64_t wordsOn = 0;    ///< words handed to the next pipeline of the ring, in the order of the pass
     std::uint64_t wordsBack = 0;  ///< to the one before
 
+    // Where rays come from a point.
+    std::uint64_t meetings = 0;     ///< rays that found another one in the place that they moved to
+    std::uint64_t queued = 0;       ///< the most rays that waited in a pipeline to be written
+    std::uint64_t boundCycles = 0;  ///< cycles, of `cycles`, in which rays were split or merged
+    std::uint64_t boundRays = 0;    ///< the most rays of a front at a bound
+
     Counters& operator+=(const Counters& o) {
         cycles += o.cycles, stalls += o.stalls, beams += o.beams, conflicts += o.conflicts;
         voxelReads += o.voxelReads, voxelWrites += o.voxelWrites, rayReads += o.rayReads, rayWrites += o.rayWrites;
         wordsOn += o.wordsOn, wordsBack += o.wordsBack;
+        meetings += o.meetings, queued = std::max(queued, o.queued), boundCycles += o.boundCycles;
+        boundRays = std::max(boundRays, o.boundRays);
         return *this;
     }
 };

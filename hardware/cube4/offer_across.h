@@ -26,16 +26,25 @@ class OfferAcross {
             return;
         }
         neighbour_.shift(beam, in, left_, shape_.offerWords, counters);
-        const Between<Weight>& u = beam.slice->u;
-        for (std::size_t lane = 0; lane < offers.size(); ++lane)
-            offers[lane] = {arithmetic.mixParts(u, left_[lane].part, in[lane].part),
-                            arithmetic.mix(u, left_[lane].given, in[lane].given)};
+        if (beam.slice->diverges()) {
+            const auto& places = beam.slice->placesU;
+            forEachLane(beam, shape_.pipelines, int(places.size()), [&](std::size_t lane, int u) {
+                interpolate(arithmetic, places[std::size_t(u)].ending, in[lane], lane);
+            });
+            return;
+        }
+        for (std::size_t lane = 0; lane < offers.size(); ++lane) interpolate(arithmetic, beam.slice->u, in[lane], lane);
     }
 
     Beam<Weight> out;
     Lanes<Offer<Word>> offers;
 
   private:
+    void interpolate(const Arithmetic& arithmetic, const Between<Weight>& u, const Offer<Word>& own, std::size_t lane) {
+        offers[lane] = {arithmetic.mixParts(u, left_[lane].part, own.part),
+                        arithmetic.mix(u, left_[lane].given, own.given)};
+    }
+
     StageShape shape_;
     Lanes<Offer<Word>> left_;
     LeftNeighbour<Offer<Word>, Weight> neighbour_;

@@ -34,19 +34,27 @@ class RayAcross {
             return;
         }
         neighbour_.shift(beam, in, left_, shape_.rayWords, counters);
-        const Between<Weight>& u = beam.slice->u;
-        for (std::size_t lane = 0; lane < rays.size(); ++lane) {
-            const Ray<Word>&own = in[lane], &left = left_[lane];
-            // The ray at the voxel has the weight that the voxel has for the ray: the lower of its two.
-            rays[lane].across = {arithmetic.mix(u, own.value, left.value), arithmetic.mix(u, own.weight, left.weight)};
-            rays[lane].ending = left;
+        if (beam.slice->diverges()) {
+            const auto& places = beam.slice->placesU;
+            forEachLane(beam, shape_.pipelines, int(places.size()), [&](std::size_t lane, int u) {
+                interpolate(arithmetic, places[std::size_t(u)].atVoxel, in[lane], lane);
+            });
+            return;
         }
+        for (std::size_t lane = 0; lane < rays.size(); ++lane) interpolate(arithmetic, beam.slice->u, in[lane], lane);
     }
 
     Beam<Weight> out;
     Lanes<Rays> rays;
 
   private:
+    void interpolate(const Arithmetic& arithmetic, const Between<Weight>& u, const Ray<Word>& own, std::size_t lane) {
+        const Ray<Word>& left = left_[lane];
+        // The ray at the voxel has the weight that the voxel has for the ray: the lower of its two.
+        rays[lane].across = {arithmetic.mix(u, own.value, left.value), arithmetic.mix(u, own.weight, left.weight)};
+        rays[lane].ending = left;
+    }
+
     StageShape shape_;
     Lanes<Ray<Word>> left_;
     LeftNeighbour<Ray<Word>, Weight> neighbour_;

@@ -27,7 +27,7 @@ class RayAlong {
             return;
         }
         buffer_.exchange(beam, in, before_, 2 * shape_.rayWords, counters);
-        const Between<Weight>& v = beam.slice->v;
+        const Between<Weight>& v = beam.slice->atRow(beam.row);
         for (std::size_t lane = 0; lane < rays.size(); ++lane) {
             const Ray<Word>&own = in[lane].across, &before = before_[lane].across;
             rays[lane].across = {arithmetic.mix(v, own.value, before.value),

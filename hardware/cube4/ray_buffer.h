@@ -9,6 +9,10 @@
 // An address is shared by p neighbours of a row. With one address more than a row needs, those at its two ends never
 // share one: rays that are finished at one end would take the places of rays that are still to be read at the other.
 //
+// Where rays come from a point they move on by different ways, and have the address of their place in the next slice,
+// in one of two banks: one for even slices and one for odd ones, so that none is written where another is still to be
+// read.
+//
 // Rays that enter the volume are not in the buffer: the address generator knows them by where they were a slice before.
 #pragma once
 
@@ -53,16 +57,18 @@ struct RayPlane {
 template <class Word>
 class RayBuffer {
   public:
-    RayBuffer(const Traversal& traversal, int pipelines)
+    /// @param diverging rays come from a point
+    RayBuffer(const Traversal& traversal, int pipelines, bool diverging = false)
         : pipelines_(pipelines),
-          columns_((traversal.size.x + 2 * pipelines - 1) / pipelines),
+          columns_((traversal.size.x + (diverging ? 1 : 2) * pipelines - 1) / pipelines),
           rows_(traversal.size.y),
-          rays_(std::size_t(columns_) * std::size_t(rows_) * std::size_t(pipelines)),
+          banks_(diverging ? 2 : 1),
+          rays_(std::size_t(banks_) * std::size_t(columns_) * std::size_t(rows_) * std::size_t(pipelines)),
           readIn_(std::size_t(pipelines), 0),
           writtenIn_(std::size_t(pipelines), 0) {}
 
     /// Words of rays in each pipeline.
-    std::size_t raysPerPipeline() const { return std::size_t(columns_) * std::size_t(rows_); }
+    std::size_t raysPerPipeline() const { return rays_.size() / std::size_t(pipelines_); }
 
     void beginCycle() { ++cycle_; }
 
@@ -72,6 +78,10 @@ class RayBuffer {
     void read(const Beam<Weight>& beam, int back, const Traversal& traversal, const RayPlane<Word>& entering,
               Lanes<Ray<Word>>& out, Counters& counters) {
         const SliceSetup<Weight>& slice = *beam.slice;
+        if (slice.diverges()) {
+            readDiverging(beam, back, entering, out, counters);
+            return;
+        }
         const int v = beam.row - back;
         const int lastU = traversal.size.x - 1 - traversal.reach, lastV = traversal.size.y - 1 - traversal.reach;
         const int wasV = v - slice.fromV;
@@ -89,12 +99,12 @@ class RayBuffer {
                 ++entered_;
                 return;
             }
-            counters.conflicts += readIn_[lane] == cycle_;
-            readIn_[lane] = cycle_;
-            ++counters.rayReads;
-            out[lane] = rays_[std::size_t(row.slotOf(u)) * std::size_t(pipelines_) + lane];
+            out[lane] = readSlot(lane, row.slotOf(u), counters);
         });
     }
+
+    /// Address of a ray that comes from a point, at position (u, v) of slice k.
+    int slotOf(int u, int v, int k) const { return ((k & 1) * rows_ + v) * columns_ + u / pipelines_; }
 
     /// Address of the ray at position (u, v) of `slice`.
     struct RowAddress {
@@ -119,12 +129,40 @@ class RayBuffer {
     std::uint64_t entered() const { return entered_; }
 
   private:
+    template <class Weight>
+    void readDiverging(const Beam<Weight>& beam, int back, const RayPlane<Word>& entering, Lanes<Ray<Word>>& out,
+                       Counters& counters) {
+        const SliceSetup<Weight>& slice = *beam.slice;
+        std::fill(out.begin(), out.end(), Ray<Word>{});
+        const int row = beam.row - back;
+        if (row < 0 || !slice.placesV[std::size_t(row)].hasRay) return;
+        const Place<Weight>& v = slice.placesV[std::size_t(row)];
+        forEachLane(beam, pipelines_, int(slice.placesU.size()), [&](std::size_t lane, int at) {
+            const int column = at - back;
+            if (column < 0 || !slice.placesU[std::size_t(column)].hasRay) return;
+            const Place<Weight>& u = slice.placesU[std::size_t(column)];
+            if (slice.first || u.from < 0 || v.from < 0) {
+                out[lane] = entering.at(u.ray, v.ray);
+                ++entered_;
+            } else {
+                out[lane] = readSlot(lane, slotOf(column, row, slice.number), counters);
+            }
+        });
+    }
+
+    const Ray<Word>& readSlot(std::size_t lane, int slot, Counters& counters) {
+        counters.conflicts += readIn_[lane] == cycle_;
+        readIn_[lane] = cycle_;
+        ++counters.rayReads;
+        return rays_[std::size_t(slot) * std::size_t(pipelines_) + lane];
+    }
+
     static int modulo(int value, int by) {
         const int rest = value % by;
         return rest < 0 ? rest + by : rest;
     }
 
-    int pipelines_, columns_, rows_;
+    int pipelines_, columns_, rows_, banks_;
     std::vector<Ray<Word>> rays_;  ///< by address, then by pipeline
     std::vector<std::uint64_t> readIn_, writtenIn_;
     std::uint64_t cycle_ = 0, entered_ = 0;

@@ -6,7 +6,7 @@
 #include "cube4/fixed_point.h"
 #include "cube4/offer_across.h"
 #include "cube4/offer_along.h"
-#include "cube4/router.h"
+#include "cube4/ray_return.h"
 #include "cube4/sample_slices.h"
 #include "cube4/sequencer.h"
 #include "cube4/trace.h"
@@ -35,7 +35,7 @@ class Machine {
           sequencer_(input.traversal, input.slices, pipelines, 1,
                      {input.traversal.reach, renderDelay(input.inSlices, lambert_)}),
           shape_{pipelines, sequencer_.parts(), true, 2, 2},
-          buffer_(input.traversal, pipelines),
+          buffer_(input.traversal, pipelines, diverges()),
           voxels_(std::size_t(pipelines)),
           offers_(std::size_t(pipelines)),
           rays_(std::size_t(pipelines)),
@@ -46,9 +46,10 @@ class Machine {
           gradient_(shape_, lambert_ ? input.traversal.size.y : 0),
           shade_(shape_, input.setup),
           composite_(shape_),
-          router_(shape_),
-          entering_(input.traversal, input.slices) {
-        for (Ray<Word>& ray : entering_.rays) ray.weight = arithmetic.one();
+          return_(shape_, diverges()),
+          entering_(input.entering ? *input.entering : RayPlane<Word>(input.traversal, input.slices)) {
+        if (!input.entering)
+            for (Ray<Word>& ray : entering_.rays) ray.weight = arithmetic.one();
         result_.leaving = entering_;  // a place of the lattice that no ray passes is seen through
     }
 
@@ -56,19 +57,27 @@ class Machine {
         while (!sequencer_.done() || underWay_ > 0) tick();
         result_.raysEntered = buffer_.entered();
         result_.rayWords = buffer_.raysPerPipeline() * std::size_t(shape_.rayWords);
-        result_.bufferWords = slices_.bufferWords() + along_.bufferWords() + (lambert_ ? gradient_.bufferWords() : 0);
+        result_.bufferWords = slices_.bufferWords() + along_.bufferWords() + (lambert_ ? gradient_.bufferWords() : 0) +
+                              return_.bufferWords();
         return std::move(result_);
     }
 
   private:
+    bool diverges() const { return input_.slices.front().diverges(); }
+
     /// From the last stage to the first, so that each still finds the registers of the one before it.
     void tick() {
         Counters& counters = result_.counters;
         ++counters.cycles;
         memory_.beginCycle();
         buffer_.beginCycle();
-        writeRays();
-        router_.tick(composite_.out, composite_.rays, counters);
+        if (return_.write(buffer_, counters)) --underWay_;
+        if (return_.isFull()) {
+            ++counters.stalls;
+            sequencer_.note(return_.out());
+            return;
+        }
+        return_.tick(composite_.out, composite_.rays, counters);
         composite_.tick(arithmetic_, raysRead_, rays_, shadedWaits_.pass(shade_.shaded), input_.traversal, buffer_,
                         result_.leaving);
         raysRead_ = shade_.out;
@@ -85,7 +94,7 @@ class Machine {
         if (!input_.inSlices) slices_.out = behind(slices_.out);
         voxelsRead_ = sequencer_.out;
         if (voxelsRead_) readVoxels(counters);
-        sequencer_.tick(router_.out(), counters);
+        sequencer_.tick(return_.out(), counters);
         if (sequencer_.out) ++underWay_;
         if (trace_) record();
     }
@@ -107,16 +116,6 @@ class Machine {
         return beam;
     }
 
-    void writeRays() {
-        const Beam<Weight>& beam = router_.out();
-        if (!beam) return;
-        --underWay_;
-        for (std::size_t lane = 0; lane < router_.rays().size(); ++lane) {
-            const FinishedRay<Word>& ray = router_.rays()[lane];
-            if (ray.slot >= 0) buffer_.write(lane, ray.slot, ray.ray, result_.counters);
-        }
-    }
-
     void record() {
         if (lambert_)
             recordTrace<Weight>(*trace_, {{"sequencer", &sequencer_.out},
@@ -128,7 +127,7 @@ class Machine {
                                           {"shade", &shade_.out},
                                           {"rays read", &raysRead_},
                                           {"composite", &composite_.out},
-                                          {"router", &router_.out()}});
+                                          {"router", &return_.out()}});
         else
             recordTrace<Weight>(*trace_, {{"sequencer", &sequencer_.out},
                                           {"voxels read", &voxelsRead_},
@@ -138,7 +137,7 @@ class Machine {
                                           {"shade", &shade_.out},
                                           {"rays read", &raysRead_},
                                           {"composite", &composite_.out},
-                                          {"router", &router_.out()}});
+                                          {"router", &return_.out()}});
     }
 
     const Arithmetic& arithmetic_;
@@ -163,7 +162,7 @@ class Machine {
     Gradient<Arithmetic> gradient_;
     Shade<Arithmetic> shade_;
     Composite<Arithmetic> composite_;
-    Router<Arithmetic> router_;
+    RayReturn<Arithmetic> return_;
     RayPlane<Word> entering_;
 };
 

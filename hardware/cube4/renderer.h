@@ -20,6 +20,8 @@ struct RenderInput {
     const ShadeSetup<typename Arithmetic::Word>& setup;
     Between<typename Arithmetic::Weight> between;  ///< of a slice and the next, for samples that lie between them
     bool inSlices = true;                          ///< samples lie in slices
+    /// What rays carry when they enter, C and T; null: 0 and 1.
+    const RayPlane<typename Arithmetic::Word>* entering = nullptr;
 };
 
 /// Slices by which samples that are composited are behind the voxels that are read.

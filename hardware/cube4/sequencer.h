@@ -36,10 +36,7 @@ class Sequencer {
 
     /// @param back the last partial beam whose rays are back, in the order of issue
     void tick(const Beam<Weight>& back, Counters& counters) {
-        if (back && back.part == parts_ - 1) {
-            backSlice_ = back.slice->number;
-            backRow_ = back.row;
-        }
+        note(back);
         out = {};
         if (wait_ > 0) {
             --wait_;
@@ -60,6 +57,13 @@ class Sequencer {
         advance();
     }
 
+    /// That the rays of a partial beam are back. All that happens in a cycle in which the machine is stopped.
+    void note(const Beam<Weight>& back) {
+        if (!back || back.part != parts_ - 1) return;
+        backSlice_ = back.slice->number;
+        backRow_ = back.row;
+    }
+
     bool done() const { return slice_ == size_.z; }
     int parts() const { return parts_; }
 
@@ -78,10 +82,20 @@ class Sequencer {
     bool raysAreBack() const {
         const int slice = slice_ - need_.delay;
         if (slice <= 0) return true;
+        if (slices_[std::size_t(slice)].diverges()) return divergingAreBack(slices_[std::size_t(slice)]);
         const int was = row_ - need_.back - slices_[std::size_t(slice)].fromV;
         if (was < 0 || was >= size_.y - reach_) return true;  // they have just come in from the side
-        return backSlice_ > slice - 1 || (backSlice_ == slice - 1 && backRow_ >= was + reach_);
+        return isBack(slice - 1, was + reach_);
     }
+
+    bool divergingAreBack(const SliceSetup<Weight>& slice) const {
+        const int row = row_ - need_.back;
+        if (row < 0) return true;
+        const Place<Weight>& place = slice.placesV[std::size_t(row)];
+        return !place.hasRay || place.from < 0 || isBack(slice.number - 1, place.from + reach_);
+    }
+
+    bool isBack(int slice, int row) const { return backSlice_ > slice || (backSlice_ == slice && backRow_ >= row); }
 
     const std::vector<SliceSetup<Weight>>& slices_;
     Index3 size_;

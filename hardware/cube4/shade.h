@@ -19,10 +19,13 @@ namespace raysweep::cube4 {
 
 template <class Word>
 struct ShadeSetup {
-    double depth = 1;           ///< optical depth of a sample of scalar 1
-    bool lambert = false;       ///< with shading
-    Vec3 view{0, 0, 1};         ///< d as a covector along u, v and k: its product with ∂/∂(u,v,k) is that with ∇
-    Matrix3 metric;             ///< of gradients along u, v and k: |∇σ|² = g metric gᵀ
+    double depth = 1;      ///< optical depth of a sample of scalar 1; where rays diverge, along the longest
+    bool lambert = false;  ///< with shading
+    Vec3 view{0, 0, 1};    ///< d as a covector along u, v and k: its product with ∂/∂(u,v,k) is that with ∇
+    Matrix3 metric;        ///< of gradients along u, v and k: |∇σ|² = g metric gᵀ
+    // Where rays come from a point: of the way d of a ray in a slice the length is sqrt(d lengths dᵀ) of the longest's.
+    Matrix3 lengths;
+    int reach = 1;              ///< voxels from where a ray is to where it ends
     std::vector<Word> opacity;  ///< fixed point: by the leading bits of a scalar
     int tableShift = 0;
 };
@@ -39,6 +42,10 @@ class Shade {
     void tick(const Arithmetic& arithmetic, const Beam<Weight>& beam, const Lanes<Offer<Word>>& samples) {
         out = beam;
         if (!beam) return;
+        if (beam.slice->diverges()) {
+            shadeDiverging(arithmetic, beam, samples);
+            return;
+        }
         for (std::size_t lane = 0; lane < shaded.size(); ++lane) shaded[lane] = classified(arithmetic, samples[lane]);
     }
 
@@ -56,6 +63,22 @@ class Shade {
     Lanes<Offer<Word>> shaded;
 
   private:
+    /// Each ray has its own length in a slice: the sample's scalar is multiplied by it before the table is looked up.
+    void shadeDiverging(const Arithmetic& arithmetic, const Beam<Weight>& beam, const Lanes<Offer<Word>>& samples) {
+        const auto &placesU = beam.slice->placesU, &placesV = beam.slice->placesV;
+        const int row = beam.row - setup_.reach;
+        if (row < 0) return;
+        forEachLane(beam, int(shaded.size()), int(placesU.size()), [&](std::size_t lane, int at) {
+            const int column = at - setup_.reach;
+            if (column < 0) return;
+            const Vec3 way(placesU[std::size_t(column)].slope, placesV[std::size_t(row)].slope, 1);
+            Offer<Word> sample = samples[lane];
+            sample.part = arithmetic.partOf(
+                sample.part, partWord(arithmetic, std::min(1.0, std::sqrt((way * setup_.lengths).dot(way)))));
+            shaded[lane] = classified(arithmetic, sample);
+        });
+    }
+
     Offer<Word> classified(const Arithmetic& arithmetic, const Offer<Word>& sample) const {
         if constexpr (Arithmetic::kExact) {
             const float opacity = -std::expm1(-float(setup_.depth) * sample.part);

@@ -22,8 +22,8 @@ struct Voxel {
     Word escape{};   ///< 1 / escape probability, which a table gives for the scalar; only where it is not 1
     Word source{};   ///< power that a ray which passes injects
     Word unshot{};   ///< U
-    Word deposit{};  ///< D
-    Word fresh{};    ///< what a group of directions has added to U so far
+    Word deposit{};  ///< D; reconstructing: sum of the weights of corrections
+    Word fresh{};    ///< what a group of passes has added to U so far; reconstructing: sum of corrections
     std::array<float, 3> normal{};  ///< of a surface, outwards, world space; 0: none
 };
 
@@ -52,6 +52,18 @@ struct Between {
     Weight low{}, high{};
 };
 
+/// A voxel's place along u or v in a slice, where rays come from a point and each has weights of its own. The ray
+/// `above` a voxel is the one between it and the next voxel; there is one at most.
+template <class Weight>
+struct Place {
+    Between<Weight> atVoxel;  ///< weights of this voxel: for the ray above it, and for the one below
+    Between<Weight> ending;   ///< weights of the ray below: for the voxel before, and for this one
+    bool hasRay = false;      ///< there is a ray above
+    int ray = 0;              ///< its lattice coordinate
+    int from = -1, to = -1;   ///< where it is in the slices before and after; -1: outside
+    double slope = 0;         ///< voxels that it moves on in a slice, in the order of the pass
+};
+
 /// What is the same for all rays in a slice.
 template <class Weight>
 struct SliceSetup {
@@ -64,6 +76,14 @@ struct SliceSetup {
     double slantU = 0, slantV = 0;  ///< by how much the lattice lies further along u and v, within its cell, in the
                                     ///< slice after than in the one before
     int hops = 0;                   ///< pipelines that a finished ray has to move on to be in place for the next slice
+    std::vector<Place<Weight>> placesU, placesV;  ///< of all voxels along u and v, where rays come from a point
+
+    /// Rays come from a point: weights and ways are those of places, and `hops` is for rays that keep theirs.
+    bool diverges() const { return !placesU.empty(); }
+    /// Of the voxels in row v for the rays above them and those below.
+    const Between<Weight>& atRow(int row) const { return diverges() ? placesV[std::size_t(row)].atVoxel : v; }
+    /// Of the rays that end in row v.
+    const Between<Weight>& endingInRow(int row) const { return diverges() ? placesV[std::size_t(row)].ending : v; }
 };
 
 /// What stages are built for.
