@@ -1,7 +1,10 @@
 #include "cube4/reconstruction.h"
 
 #include "cube4/arithmetic.h"
+#include "cube4/cone_warp.h"
+#include "cube4/region_bound.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/require.h"
 
 #include <algorithm>
@@ -21,6 +24,8 @@ struct Reconstruction::Machine {
     virtual ~Machine() = default;
     virtual double update(const MeasuredView& view, double relaxation, Trace* trace) = 0;
     virtual std::vector<float> project(const MeasuredView& view) = 0;
+    virtual double update(const MeasuredCone& view, double relaxation, Trace* trace) = 0;
+    virtual std::vector<float> project(const MeasuredCone& view) = 0;
     virtual DenseField volume() const = 0;
 
     Counters projecting, backprojecting;
@@ -42,7 +47,8 @@ class MachineOf : public Reconstruction::Machine {
           origin_(origin),
           setup_(setup),
           arithmetic_(std::move(arithmetic)),
-          memory_(box.size() + Index3(2 * kPad), setup.pipelines) {
+          memoryBox_{box, origin, kPad},
+          memory_(memoryBox_.size(), setup.pipelines) {
         if constexpr (!Arithmetic::kExact) {
             const NumberFormat& format = arithmetic_.format();
             const int sign = setup.lower < 0 ? 1 : 0;
@@ -52,8 +58,7 @@ class MachineOf : public Reconstruction::Machine {
             format.requireSumsHold(setup.largestSums.value / valueUnit_, "sums of voxels along a ray");
             format.requireSumsHold(setup.largestSums.weight / weightUnit_, "sums of weights along a ray");
         }
-        const std::size_t bits = setup.format ? std::size_t(setup.format->scalar) : 8 * sizeof(Word);
-        bytesPerModule = (memory_.voxelsPerModule() * bits + 7) / 8;
+        bytesPerModule = bytesOfModule(0);
     }
 
     void load(const DenseField& initial, const DenseField& support) {
@@ -66,29 +71,38 @@ class MachineOf : public Reconstruction::Machine {
     double update(const MeasuredView& view, double relaxation, Trace* trace) override {
         const Front front = frontOf(view);
         const RayPlane<Word> sums = run(front, Pass::project, 0, RayPlane<Word>(front.traversal, front.slices), trace);
+        noteLargest(sums);
         RayPlane<Word> corrections = sums;
-        double squares = 0;
-        std::size_t used = 0;
         forEachRay(front, sums, [&](int u, int v, const Ray<Word>& sum, const Imath::V2d& pixel) {
             Ray<Word>& ray = corrections.at(u, v);
-            ray = {};
-            largestSums.value = std::max(largestSums.value, std::abs(double(sum.value) * valueUnit_));
-            largestSums.weight = std::max(largestSums.weight, double(sum.weight) * weightUnit_);
-            const double length = double(sum.weight) * weightUnit_ * front.traversal.stepLength;
             const double measured = double(sampleOf(view.values, view.width, view.height, pixel));
-            if (!(length > leastLength()) || std::isnan(measured)) return;
-            const double difference = measured - double(sum.value) * valueUnit_ * front.traversal.stepLength;
-            if (measured >= setup_.saturation && difference <= 0) return;
-            squares += difference * difference;
-            ++used;
-            const double correction = difference / length;
-            largestCorrection = std::max(largestCorrection, std::abs(correction));
-            ray = {toCorrection(correction), toWord(1, weightUnit_)};
+            const double change = correctionOf(double(sum.value) * front.traversal.stepLength,
+                                               double(sum.weight) * front.traversal.stepLength, measured);
+            ray = std::isnan(change) ? Ray<Word>{} : Ray<Word>{toCorrection(change), toWord(1, weightUnit_)};
         });
         run(front, Pass::backproject, relaxation, corrections, trace);
-        for (const Voxel<Word>& voxel : memory_.all())
-            largestValue = std::max(largestValue, std::abs(double(voxel.scalar) * valueUnit_));
-        return used > 0 ? std::sqrt(squares / double(used)) : std::nan("");
+        return finishedUpdate();
+    }
+
+    double update(const MeasuredCone& view, double relaxation, Trace* trace) override {
+        const std::vector<PerspectiveFront> fronts = conesOf(view.rays);
+        std::vector<RayPlane<Word>> changes;
+        for (const PerspectiveFront& front : fronts)
+            changes.push_back(corrections(projected(front, trace), front, view));
+        for (std::size_t n = 0; n < fronts.size(); ++n)
+            backproject(fronts[n], std::move(changes[n]), relaxation, {fronts.size() > 1, n + 1 == fronts.size()});
+        return finishedUpdate();
+    }
+
+    std::vector<float> project(const MeasuredCone& view) override {
+        std::vector<float> picture(std::size_t(view.rays.width) * std::size_t(view.rays.height), 0.0f);
+        for (const PerspectiveFront& front : conesOf(view.rays)) {
+            const RayPlane<Word> sums = projected(front, nullptr);
+            forEachPixel(view.rays, memoryBox_, front, [&](std::size_t pixel, const Imath::V2d& ray, double length) {
+                picture[pixel] = float(LatticePoint(sums, ray).interpolated(sums.rays, valueOf) * valueUnit_ * length);
+            });
+        }
+        return picture;
     }
 
     std::vector<float> project(const MeasuredView& view) override {
@@ -132,7 +146,105 @@ class MachineOf : public Reconstruction::Machine {
         return {plane, traversal, slicesOf(traversal, arithmetic_)};
     }
 
+    /// Fronts of a cone's rays. The last one passes all voxels: it is the one in which corrections are made.
+    std::vector<PerspectiveFront> conesOf(const PointRays& rays) const {
+        std::vector<PerspectiveFront> fronts = frontsOf(rays, memoryBox_, setup_.sampling);
+        const auto whole = std::stable_partition(fronts.begin(), fronts.end(), [&](const PerspectiveFront& front) {
+            return front.regions.front().first > 0 || front.regions.back().end < box_.size()[front.major];
+        });
+        if (!fronts.empty() && whole == fronts.end())
+            throw InvalidArgument("an X-ray source is in the volume, or less than a voxel from it");
+        return fronts;
+    }
+
+    RayPlane<Word> projected(const PerspectiveFront& front, Trace* trace) {
+        return passRegions(
+            bound(projecting), {front, memoryBox_}, planeOf<Word>(front.rangeAt(front.regions.front().level)),
+            [&](const RegionPass<Weight>& pass, const RayPlane<Word>& entering) {
+                return run({pass.traversal, pass.slices}, exchangeSetup(Pass::project, 0), entering, trace);
+            });
+    }
+
+    /// Corrections of a lattice's rays from their sums. The sums are interpolated to the pixels, whose corrections are
+    /// spread by the same weights, and by the lengths of their rays, as Aᵀ has it.
+    RayPlane<Word> corrections(const RayPlane<Word>& sums, const PerspectiveFront& front, const MeasuredCone& view) {
+        noteLargest(sums);
+        std::vector<double> values(sums.rays.size(), 0.0), weights(sums.rays.size(), 0.0);
+        forEachPixel(view.rays, memoryBox_, front, [&](std::size_t pixel, const Imath::V2d& ray, double length) {
+            const LatticePoint point(sums, ray);
+            const double change =
+                correctionOf(point.interpolated(sums.rays, valueOf) * length,
+                             point.interpolated(sums.rays, weightOf) * length, double(view.values[pixel]));
+            if (std::isnan(change)) return;
+            point.spread(length * change, values);
+            point.spread(length, weights);
+        });
+        // Only the ratio of the two counts: a weight is at most 1.
+        double most = *std::max_element(weights.begin(), weights.end());
+        if (!(most > 0)) most = 1;
+        RayPlane<Word> rays = sums;
+        for (std::size_t i = 0; i < rays.rays.size(); ++i)
+            rays.rays[i] = {toCorrection(values[i] / most), toWord(weights[i] / most, weightUnit_)};
+        return rays;
+    }
+
+    static Word valueOf(const Ray<Word>& ray) { return ray.value; }
+    static Word weightOf(const Ray<Word>& ray) { return ray.weight; }
+
+    /// What changes voxels together.
+    struct Together {
+        bool several;  ///< fronts
+        bool last;     ///< the last of them
+    };
+
+    void backproject(const PerspectiveFront& front, RayPlane<Word> corrections, double relaxation,
+                     const Together& fronts) {
+        const Journey journey{front, memoryBox_, RayOrder::converging, 1, fronts.last};
+        passRegions(bound(backprojecting), journey, std::move(corrections),
+                    [&](const RegionPass<Weight>& pass, const RayPlane<Word>& entering) {
+                        ExchangeSetup<Word> setup = exchangeSetup(Pass::backproject, relaxation);
+                        setup.group = fronts.several || pass.grouped;
+                        setup.settle = fronts.last && pass.lastOfRegion;
+                        if (setup.group) bytesPerModule = bytesOfModule(2);
+                        return run({pass.traversal, pass.slices}, setup, entering, nullptr);
+                    });
+    }
+
+    RegionBound<Arithmetic> bound(Counters& counters) const { return {arithmetic_, setup_.pipelines, counters}; }
+
+    void noteLargest(const RayPlane<Word>& sums) {
+        for (const Ray<Word>& sum : sums.rays) {
+            largestSums.value = std::max(largestSums.value, std::abs(double(sum.value) * valueUnit_));
+            largestSums.weight = std::max(largestSums.weight, double(sum.weight) * weightUnit_);
+        }
+    }
+
+    /// (p - A x) / A 1 of a ray of these sums of words; NaN if it does not count.
+    double correctionOf(double value, double weight, double measured) {
+        const double length = weight * weightUnit_, difference = measured - value * valueUnit_;
+        if (!(length > leastLength()) || std::isnan(measured)) return std::nan("");
+        if (measured >= setup_.saturation && difference <= 0) return std::nan("");
+        squares_ += difference * difference;
+        ++used_;
+        largestCorrection = std::max(largestCorrection, std::abs(difference / length));
+        return difference / length;
+    }
+
+    /// RMS of the update's differences.
+    double finishedUpdate() {
+        for (const Voxel<Word>& voxel : memory_.all())
+            largestValue = std::max(largestValue, std::abs(double(voxel.scalar) * valueUnit_));
+        const double rms = used_ > 0 ? std::sqrt(squares_ / double(used_)) : std::nan("");
+        squares_ = 0;
+        used_ = 0;
+        return rms;
+    }
+
     RayPlane<Word> run(const Front& front, Pass pass, double relaxation, const RayPlane<Word>& entering, Trace* trace) {
+        return run({front.traversal, front.slices}, exchangeSetup(pass, relaxation), entering, trace);
+    }
+
+    ExchangeSetup<Word> exchangeSetup(Pass pass, double relaxation) const {
         ExchangeSetup<Word> setup;
         setup.pass = pass;
         if constexpr (Arithmetic::kExact) {
@@ -145,12 +257,22 @@ class MachineOf : public Reconstruction::Machine {
             setup.bounds = {toWord(std::max(setup_.lower, -most), valueUnit_),
                             toWord(std::min(setup_.upper, most), valueUnit_)};
         }
+        return setup;
+    }
+
+    struct Path {
+        const Traversal& traversal;
+        const std::vector<SliceSetup<Weight>>& slices;
+    };
+
+    RayPlane<Word> run(const Path& path, const ExchangeSetup<Word>& setup, const RayPlane<Word>& entering,
+                       Trace* trace) {
         PassOptions options;
         options.overlap = setup_.overlap;
         options.trace = trace;
         PassResult<Word> result =
-            runPass(arithmetic_, memory_, {front.traversal, front.slices, setup, entering}, setup_.pipelines, options);
-        (pass == Pass::project ? projecting : backprojecting) += result.counters;
+            runPass(arithmetic_, memory_, {path.traversal, path.slices, setup, entering}, setup_.pipelines, options);
+        (setup.pass == Pass::project ? projecting : backprojecting) += result.counters;
         const std::size_t bits = setup_.format ? std::size_t(setup_.format->sum) : 8 * sizeof(Word);
         bufferBytes = std::max(bufferBytes, ((result.rayWords + result.bufferWords) * bits + 7) / 8);
         return std::move(result.leaving);
@@ -176,6 +298,14 @@ class MachineOf : public Reconstruction::Machine {
                 for (int x = 0; x < size.x; ++x) visit(i++, memory_.at(Index3(x, y, z) + Index3(kPad)));
     }
 
+    /// @param sums words of a voxel in which corrections are added up
+    std::size_t bytesOfModule(std::size_t sums) const {
+        const NumberFormat format = setup_.format.value_or(NumberFormat{});
+        const std::size_t bits =
+            setup_.format ? std::size_t(format.scalar) + sums * std::size_t(format.sum) : (1 + sums) * 8 * sizeof(Word);
+        return (memory_.voxelsPerModule() * bits + 7) / 8;
+    }
+
     double leastLength() const { return kLeastLength * std::cbrt(box_.voxelVolume()); }
     double clamped(double value) const { return std::clamp(value, setup_.lower, setup_.upper); }
 
@@ -194,7 +324,10 @@ class MachineOf : public Reconstruction::Machine {
     Vec3 origin_;
     ReconstructionSetup setup_;
     Arithmetic arithmetic_;
+    double squares_ = 0;    ///< of the differences of an update,
+    std::size_t used_ = 0;  ///< and their number
     double valueUnit_ = 1, correctionUnit_ = 1, weightUnit_ = 1;
+    MemoryBox memoryBox_;
     VoxelMemory<Word> memory_;
 };
 
@@ -209,6 +342,7 @@ std::unique_ptr<Reconstruction::Machine> loaded(std::unique_ptr<MachineOf<Arithm
 
 void ReconstructionSetup::validate() const {
     requireField(pipelines >= 1, "pipelines", pipelines, "at least 1");
+    sampling.validate();
     requireField(lower <= upper, "lower", lower, "at most `upper`");
     requireField(largestValue > 0, "largestValue", largestValue, "positive");
     requireField(largestCorrection > 0, "largestCorrection", largestCorrection, "positive");
@@ -232,6 +366,12 @@ double Reconstruction::update(const MeasuredView& view, double relaxation, Trace
     return machine_->update(view, relaxation, trace);
 }
 std::vector<float> Reconstruction::project(const MeasuredView& view) {
+    return machine_->project(view);
+}
+double Reconstruction::update(const MeasuredCone& view, double relaxation, Trace* trace) {
+    return machine_->update(view, relaxation, trace);
+}
+std::vector<float> Reconstruction::project(const MeasuredCone& view) {
     return machine_->project(view);
 }
 DenseField Reconstruction::volume() const {

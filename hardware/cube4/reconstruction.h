@@ -6,12 +6,18 @@
 /// The machine's rays are not those of a detector's pixels: there is one for each voxel of a slice. Measured values are
 /// interpolated to them (a warp). Where the detector's pixels, seen along the rays, are voxels of a slice, they are the
 /// same rays, and then A is Joseph's projector.
+///
+/// A cone's rays go through the volume in regions (perspective.h). Their sums are interpolated to the detector's
+/// pixels, and the pixels' corrections spread to them by the adjoint (cone_warp.h). Rays of a view that have different
+/// major axes are fronts of their own: all are projected, then all are backprojected, and their corrections are added
+/// up in the voxels before the last pass makes them part of x.
 #pragma once
 
 #include "cube4/backprojector.h"
 #include "cube4/base_plane.h"
 #include "cube4/dense_volume.h"
 #include "cube4/fixed_point.h"
+#include "cube4/perspective.h"
 
 #include <memory>
 #include <optional>
@@ -26,9 +32,16 @@ struct MeasuredView {
     std::vector<float> values;  ///< line integrals, row by row; NaN: not measured
 };
 
+/// A view of rays from a point, and what was measured.
+struct MeasuredCone {
+    PointRays rays;
+    std::vector<float> values;  ///< as of a MeasuredView
+};
+
 struct ReconstructionSetup {
     int pipelines = 16;
     bool overlap = true;
+    RaySampling sampling;                ///< of cones
     double lower = 0, upper = 0;         ///< bounds of voxels, 1/world unit; infinite for none
     double saturation = 0;               ///< a line integral that only says "at least"; infinite for none
     std::optional<NumberFormat> format;  ///< none: floats
@@ -56,6 +69,10 @@ class Reconstruction {
     /// Line integrals of the volume along the rays of a view's pixels, as the machine finds them: those of its own
     /// rays, interpolated. NaN where a pixel's ray meets none.
     std::vector<float> project(const MeasuredView& view);
+
+    /// The same for cones. @throw InvalidArgument for a source inside the volume, or less than a voxel from it
+    double update(const MeasuredCone& view, double relaxation, Trace* trace = nullptr);
+    std::vector<float> project(const MeasuredCone& view);
 
     DenseField volume() const;
     double largestValue() const, largestCorrection() const;  ///< that there have been

@@ -4,6 +4,7 @@
 
 #include "cube4/dense_volume.h"
 #include "cube4/fixed_point.h"
+#include "cube4/perspective.h"
 #include "cube4/renderer.h"
 
 #include "raysweep/image/image.h"
@@ -33,6 +34,7 @@ struct RenderSetup {
     bool lambert = false;                ///< shading, see shade.h
     double depth = 0;                    ///< where samples lie between one slice and the next along the sight, [0,1)
     double background = 0;               ///< radiance behind the volume
+    RaySampling sampling;                ///< of rays from an eye
     std::optional<NumberFormat> format;  ///< none: floats
     Trace* trace = nullptr;
 
@@ -50,6 +52,15 @@ struct Rendering {
 
 /// One pass for each wavelength. @throw InvalidArgument for a view whose pixels have no area
 Rendering renderView(const LitVolume& volume, const ParallelView& view, const RenderSetup& setup);
+
+/// In perspective: the pixels' rays come from the eye `view.source`. Samples are in slices, and rays go through the
+/// volume in regions (perspective.h), a front for each major axis that they have. Nothing nearer than a voxel is seen.
+/// @throw InvalidArgument for pixels without area, shading, or samples between slices
+Rendering renderView(const LitVolume& volume, const PointRays& view, const RenderSetup& setup);
+
+/// A view in perspective. @param fov between top and bottom edge, degrees, in (0,180)
+/// @throw InvalidArgument for a direction without length, or an `up` along it
+PointRays viewFrom(const Vec3& eye, const Vec3& direction, const Vec3& up, double fov, const Imath::V2i& pixels);
 
 /// A parallel view of all of a volume, from a direction.
 /// @param width, height pixels  @throw InvalidArgument for a direction without length, or an `up` along it

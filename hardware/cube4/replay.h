@@ -1,6 +1,7 @@
 /// A recorded run of `raysweep light` once more, in the dense machine, voxel by voxel compared.
 #pragma once
 
+#include "cube4/perspective.h"
 #include "cube4/record.h"
 
 #include "raysweep/core/progress.h"
@@ -30,6 +31,7 @@ Agreement worseOf(const Agreement& a, const Agreement& b);
 struct ReplaySetup {
     int pipelines = 16;
     bool overlap = true;
+    RaySampling sampling;                ///< of cones
     std::optional<NumberFormat> format;  ///< none: floats
     Trace* trace = nullptr;
 };

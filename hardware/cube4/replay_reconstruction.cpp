@@ -15,7 +15,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void requirePossible(const ReconstructionRecord& record) {
     const std::string& path = record.file.path;
-    if (record.cone) throw InvalidArgument(path + ": a cone beam; the machine's fronts are parallel");
     if (record.totalVariation > 0)
         throw InvalidArgument(path + ": total variation was lowered between passes, which the machine does not do");
     for (const RecordedUpdate& update : record.updates)
@@ -23,19 +22,28 @@ void requirePossible(const ReconstructionRecord& record) {
             throw InvalidArgument(path + ": updates of several views at once; the machine corrects by one at a time");
 }
 
-std::vector<MeasuredView> measuredViews(const ReconstructionRecord& record) {
+/// Views of a run: parallel ones, or cones.
+struct Views {
+    std::vector<MeasuredView> parallel;
+    std::vector<MeasuredCone> cones;
+};
+
+Views measuredViews(const ReconstructionRecord& record) {
     DenseBox box;
     box.high = Index3(record.width, record.height, int(record.views.size()));
     const DenseField all = denseField(*fieldOf(record.file, "projections"), box);
     const std::size_t pixels = std::size_t(record.width) * std::size_t(record.height);
-    std::vector<MeasuredView> views;
+    Views views;
     for (std::size_t n = 0; n < record.views.size(); ++n) {
         const RecordedView& view = record.views[n];
         const auto from = all.begin() + std::ptrdiff_t(n * pixels);
-        views.push_back({{view.direction, view.origin, view.column, view.row},
-                         record.width,
-                         record.height,
-                         std::vector<float>(from, from + std::ptrdiff_t(pixels))});
+        const std::vector<float> values(from, from + std::ptrdiff_t(pixels));
+        if (record.cone)
+            views.cones.push_back(
+                {{view.source, view.origin, view.column, view.row, record.width, record.height}, values});
+        else
+            views.parallel.push_back(
+                {{view.direction, view.origin, view.column, view.row}, record.width, record.height, values});
     }
     return views;
 }
@@ -55,13 +63,42 @@ bool isAligned(const MeasuredView& view, const ReconstructionRecord& record) {
     return isUnit(next - first) && isUnit(below - first);
 }
 
-bool runUpdates(const ReconstructionRecord& record, const std::vector<MeasuredView>& views, Reconstruction& machine,
+/// The same for cones: one front, whose pixels are in a plane of slices, and no region's rays are merged.
+bool isAligned(const MeasuredCone& view, const ReconstructionRecord& record, const RaySampling& sampling) {
+    const MemoryBox memory{record.box, record.origin, 1};
+    const std::vector<PerspectiveFront> fronts = frontsOf(view.rays, memory, sampling);
+    if (fronts.size() != 1) return false;
+    const PerspectiveFront& front = fronts[0];
+    const PointPlane plane(view.rays, memory);
+    const auto rayOf = [&](double column, double row) { return front.rayOf(plane.wayOf(column, row), 0); };
+    const double right = view.rays.width - 1, below = view.rays.height - 1;
+    const Imath::V2d first = rayOf(0, 0);
+    const auto isGrid = [](const Imath::V2d& way, double pixels) {
+        constexpr double kSame = 1e-4;
+        const double a = std::abs(way.x), b = std::abs(way.y);
+        return (std::abs(a - pixels) < kSame && b < kSame) || (std::abs(b - pixels) < kSame && a < kSame);
+    };
+    return isGrid(rayOf(right, 0) - first, right) && isGrid(rayOf(0, below) - first, below) &&
+           std::all_of(front.regions.begin(), front.regions.end(),
+                       [](const Region& region) { return region.level == 0; });
+}
+
+bool areAligned(const Views& views, const ReconstructionRecord& record, const RaySampling& sampling) {
+    return std::all_of(views.parallel.begin(), views.parallel.end(),
+                       [&](const MeasuredView& view) { return isAligned(view, record); }) &&
+           std::all_of(views.cones.begin(), views.cones.end(),
+                       [&](const MeasuredCone& view) { return isAligned(view, record, sampling); });
+}
+
+bool runUpdates(const ReconstructionRecord& record, const Views& views, Reconstruction& machine,
                 const ReplaySetup& setup, const ProgressCallback& progress, std::vector<double>& residuals) {
     residuals.clear();
     for (std::size_t n = 0; n < record.updates.size(); ++n) {
         if (!report(progress, "replaying", double(n) / double(record.updates.size()))) return false;
         const RecordedUpdate& update = record.updates[n];
-        residuals.push_back(machine.update(views[std::size_t(update.views[0])], update.relaxation, setup.trace));
+        const std::size_t view = std::size_t(update.views[0]);
+        residuals.push_back(record.cone ? machine.update(views.cones[view], update.relaxation, setup.trace)
+                                        : machine.update(views.parallel[view], update.relaxation, setup.trace));
     }
     return true;
 }
@@ -71,10 +108,11 @@ bool runUpdates(const ReconstructionRecord& record, const std::vector<MeasuredVi
 ReconstructionReplay replay(const ReconstructionRecord& record, const ReplaySetup& setup,
                             const ProgressCallback& progress) {
     requirePossible(record);
-    const std::vector<MeasuredView> views = measuredViews(record);
+    const Views views = measuredViews(record);
     ReconstructionSetup machineSetup;
     machineSetup.pipelines = setup.pipelines;
     machineSetup.overlap = setup.overlap;
+    machineSetup.sampling = setup.sampling;
     machineSetup.lower = record.lower.value_or(-kInfinity);
     machineSetup.upper = record.upper.value_or(kInfinity);
     machineSetup.saturation = record.saturation.value_or(kInfinity);
@@ -101,8 +139,7 @@ ReconstructionReplay replay(const ReconstructionRecord& record, const ReplaySetu
     result.seconds = timer.seconds();
     result.field = judged->volume();
     result.volume = compareFields(result.field, *fieldOf(record.file, "density"), record.box, 0);
-    result.alignedRays =
-        std::all_of(views.begin(), views.end(), [&](const MeasuredView& view) { return isAligned(view, record); });
+    result.alignedRays = areAligned(views, record, setup.sampling);
     result.project = judged->projectCounters();
     result.backproject = judged->backprojectCounters();
     result.passes = result.residuals.size();

@@ -22,7 +22,7 @@ struct ReconstructionReplay {
     double seconds = 0;
 };
 
-/// @throw InvalidArgument for runs that the machine cannot do: cones, several views in an update, total variation
+/// @throw InvalidArgument for runs that the machine cannot do: several views in an update, total variation
 ReconstructionReplay replay(const ReconstructionRecord& record, const ReplaySetup& setup,
                             const ProgressCallback& progress = {});
 
