@@ -29,12 +29,14 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->check(CLI::NonNegativeNumber)
         ->type_name("X");
     addMachineOptions(app, a.machine);
+    addPerspectiveOptions(app, a.machine);
 }
 
 cube4::ReplaySetup setupOf(const MachineArguments& a) {
     cube4::ReplaySetup setup;
     setup.pipelines = a.pipelines;
     setup.overlap = !a.noOverlap;
+    setup.sampling = a.sampling;
     setup.format = parseFormat(a);
     return setup;
 }

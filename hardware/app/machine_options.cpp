@@ -49,6 +49,20 @@ void addMachineOptions(CLI::App& app, MachineArguments& a) {
     app.option_defaults()->group("Options");
 }
 
+void addPerspectiveOptions(CLI::App& app, MachineArguments& a) {
+    app.option_defaults()->group("Machine");
+    app.add_option("--least-spacing", a.sampling.leastSpacing,
+                   "Rays from a point are merged where they are closer than so many voxels, (0,1]; below 1 slices are "
+                   "passed several times")
+        ->capture_default_str()
+        ->type_name("X");
+    app.add_option("--rays-per-pixel", a.sampling.raysPerPixel,
+                   "Rays from a point: so many for each pixel along columns and rows, at least 1")
+        ->capture_default_str()
+        ->type_name("N");
+    app.option_defaults()->group("Options");
+}
+
 std::optional<cube4::NumberFormat> parseFormat(const MachineArguments& a) {
     if (a.format == "float") return std::nullopt;
     constexpr int kMost = 5;
@@ -74,6 +88,7 @@ std::optional<cube4::NumberFormat> parseFormat(const MachineArguments& a) {
 }
 
 void requireMachine(const CLI::App& command, const MachineArguments& a) {
+    requireValid(command, [&] { a.sampling.validate(); });
     if (const auto format = parseFormat(a))
         requireValid(command, [&] {
             try {
@@ -106,6 +121,10 @@ nlohmann::ordered_json describeMachine(const MachineArguments& a, const MachineU
             {"ray_writes", n.rayWrites},
             {"neighbour_words", n.wordsOn + n.wordsBack},
             {"neighbour_words_back", n.wordsBack},
+            {"bound_cycles", n.boundCycles},
+            {"bound_rays_peak", n.boundRays},
+            {"meetings", n.meetings},
+            {"queue_peak", n.queued},
             {"bytes_per_module", use.bytesPerModule},
             {"bytes", use.bytesPerModule * std::size_t(a.pipelines)},
             {"buffer_bytes_per_pipeline", use.bufferBytes},

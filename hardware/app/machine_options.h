@@ -6,6 +6,7 @@
 #include "cube4/backprojector.h"
 #include "cube4/counters.h"
 #include "cube4/fixed_point.h"
+#include "cube4/perspective.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -20,13 +21,17 @@ struct MachineArguments {
     int pipelines = 16;
     std::string format = "float", rounding = "nearest";
     bool noOverlap = false;
-    double clock = 100;  ///< MHz
+    double clock = 100;           ///< MHz
+    cube4::RaySampling sampling;  ///< of rays from a point
     std::size_t maxVoxels = std::size_t(256) * 256 * 256;
     std::size_t trace = 0;
     std::string tracePicture;
 };
 
 void addMachineOptions(CLI::App& app, MachineArguments& arguments);
+
+/// For subcommands with rays from a point.
+void addPerspectiveOptions(CLI::App& app, MachineArguments& arguments);
 
 /// Checks what can be checked before the work. @throw CLI::ValidationError
 void requireMachine(const CLI::App& command, const MachineArguments& arguments);

@@ -39,6 +39,7 @@ void addOptions(CLI::App& app, Arguments& a) {
     own(app.add_option("--iterations", a.turntable.passes, "Passes over all views"));
     own(app.add_option("--relaxation", a.turntable.relaxation, "Part of a correction that is made, λ"));
     addMachineOptions(app, a.machine);
+    addPerspectiveOptions(app, a.machine);
 }
 
 void completeOptions(Arguments& a, const CLI::App& command) {
@@ -118,6 +119,7 @@ int run(const Arguments& a) {
     cube4::ReplaySetup setup;
     setup.pipelines = a.machine.pipelines;
     setup.overlap = !a.machine.noOverlap;
+    setup.sampling = a.machine.sampling;
     setup.format = parseFormat(a.machine);
     cube4::Trace trace;
     trace.most = a.machine.trace;

@@ -20,8 +20,8 @@ namespace {
 
 struct Arguments {
     MachineArguments machine;
-    std::string input, output, grid, size = "512,512", direction, up = "0,0,1";
-    double extinction = 1, exposure = 0;
+    std::string input, output, grid, size = "512,512", direction, eye, up = "0,0,1";
+    double extinction = 1, exposure = 0, fov = 40;
     cube4::RenderSetup setup;
 };
 
@@ -33,7 +33,14 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->required()
         ->type_name("FILE");
     app.option_defaults()->group("View");
-    app.add_option("--view", a.direction, "Direction of sight")->required()->type_name("X,Y,Z");
+    app.add_option("--view", a.direction, "Direction of sight: parallel, unless there is an eye")->type_name("X,Y,Z");
+    app.add_option("--eye", a.eye,
+                   "In perspective: where rays come from, outside the volume or in it; it looks along --view "
+                   "(default: to the volume's middle)")
+        ->type_name("X,Y,Z");
+    app.add_option("--fov", a.fov, "With --eye: angle between top and bottom edge, degrees, (0,180)")
+        ->capture_default_str()
+        ->type_name("DEG");
     app.add_option("--up", a.up, "Direction that points up in the picture")->capture_default_str()->type_name("X,Y,Z");
     app.add_option("--size", a.size, "Width and height, pixels")->capture_default_str()->type_name("W,H");
     app.option_defaults()->group("Picture");
@@ -45,6 +52,15 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->capture_default_str();
     app.add_option("--exposure", a.exposure, "For .png: colours times 2^EV")->capture_default_str()->type_name("EV");
     addMachineOptions(app, a.machine);
+    addPerspectiveOptions(app, a.machine);
+}
+
+void requireView(const Arguments& a) {
+    if (a.eye.empty() && a.direction.empty()) usageError("--view", "say where to look, or with --eye from where");
+    if (!(a.fov > 0 && a.fov < 180)) usageError("--fov", "must be in (0,180)");
+    if (a.eye.empty()) return;
+    if (a.setup.lambert) usageError("--lambert", "goes with parallel rays, not with --eye");
+    if (a.setup.depth > 0) usageError("--depth", "is 0 with --eye: samples are in slices");
 }
 
 const openvdb::GridBase* gridCalled(const VdbFile& file, const std::string& name) {
@@ -72,22 +88,46 @@ cube4::LitVolume litVolume(const Arguments& a) {
     return volume;
 }
 
+nlohmann::ordered_json toJson(const Vec3& v) {
+    return {v.x, v.y, v.z};
+}
+
+/// @param same takes the options of raysweep render that give the same view
+cube4::Rendering rendered(const Arguments& a, const cube4::LitVolume& volume, nlohmann::ordered_json& same) {
+    constexpr int kMostPixels = 1 << 14;
+    const std::vector<int> size = parseWhole(a.size, "--size", 2, {1, kMostPixels}, "512,512");
+    const Vec3 up = parseVec3(a.up, "--up");
+    if (a.eye.empty()) {
+        const cube4::ParallelView view = cube4::viewOf(volume, parseVec3(a.direction, "--view"), up, size[0], size[1]);
+        const Vec3 middle = view.origin + view.column * (0.5 * (view.width - 1)) + view.row * (0.5 * (view.height - 1));
+        same["target"] = toJson(middle);
+        same["eye"] = toJson(middle - view.direction * (view.column.length() * (view.width + view.height)));
+        same["ortho"] = view.column.length() * view.width;
+        return cube4::renderView(volume, view, a.setup);
+    }
+    const Vec3 eye = parseVec3(a.eye, "--eye");
+    const Vec3 middle = volume.origin + Vec3(volume.box.size() - Index3(1)) * 0.5 * volume.box.worldFromIndex;
+    const Vec3 direction = a.direction.empty() ? middle - eye : parseVec3(a.direction, "--view");
+    same["target"] = toJson(eye + direction);
+    same["eye"] = toJson(eye);
+    same["fov"] = a.fov;
+    return cube4::renderView(volume, cube4::viewFrom(eye, direction, up, a.fov, {size[0], size[1]}), a.setup);
+}
+
 int run(Arguments& a) {
     const ThreadLimit limit = start(a.machine.common);
     initializeGrids();
     requireWritable(a.output);
     const cube4::LitVolume volume = litVolume(a);
-    constexpr int kMostPixels = 1 << 14;
-    const std::vector<int> size = parseWhole(a.size, "--size", 2, {1, kMostPixels}, "512,512");
-    const cube4::ParallelView view =
-        cube4::viewOf(volume, parseVec3(a.direction, "--view"), parseVec3(a.up, "--up"), size[0], size[1]);
     a.setup.pipelines = a.machine.pipelines;
     a.setup.format = parseFormat(a.machine);
+    a.setup.sampling = a.machine.sampling;
     cube4::Trace trace;
     trace.most = a.machine.trace;
     a.setup.trace = a.machine.trace > 0 ? &trace : nullptr;
     const Timer timer;
-    const cube4::Rendering rendering = cube4::renderView(volume, view, a.setup);
+    nlohmann::ordered_json same;
+    const cube4::Rendering rendering = rendered(a, volume, same);
     const MachineUse use{rendering.counters,       rendering.passes,      rendering.voxels,
                          rendering.bytesPerModule, rendering.bufferBytes, timer.seconds()};
     showTrace(a.machine, trace);
@@ -96,12 +136,7 @@ int run(Arguments& a) {
     writeImage(a.output, png ? toneMap(rendering.image, a.exposure) : rendering.image);
     nlohmann::ordered_json report = describeMachine(a.machine, use);
     report["step"] = rendering.step;
-    // The same view for raysweep render: --eye, --target, --up, --ortho.
-    const Vec3 middle = view.origin + view.column * (0.5 * (view.width - 1)) + view.row * (0.5 * (view.height - 1));
-    const Vec3 eye = middle - view.direction * (view.column.length() * (view.width + view.height));
-    report["target"] = {middle.x, middle.y, middle.z};
-    report["eye"] = {eye.x, eye.y, eye.z};
-    report["ortho"] = view.column.length() * view.width;
+    report.update(same);
     writeReport(a.machine.common, report);
     return kDone;
 }
@@ -114,6 +149,7 @@ void addCube4Render(CLI::App& app, int& exitCode) {
     addOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
         requireMachine(*command, arguments->machine);
+        requireView(*arguments);
         requireFileOutput(arguments->output);
         if (imageFormat(arguments->output) == ImageFormat::Unknown) usageError("--output", "must end in .exr or .png");
         requireValid(*command, [&] { arguments->setup.validate(); });

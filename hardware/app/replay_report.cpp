@@ -85,7 +85,7 @@ void printReplay(const cube4::ReconstructionReplay& result) {
     printAgreement("volume", result.volume);
     if (result.volumeToFloat.voxels > 0) printAgreement("volume, to floats", result.volumeToFloat);
     if (!result.alignedRays)
-        std::cout << "the machine's rays are not the detector's: measured values were interpolated to them\n";
+        std::cout << "the machine's rays are not the detector's: values were interpolated between the two\n";
 }
 
 }  // namespace raysweep::apps
