@@ -74,7 +74,7 @@ class Shade {
             const Vec3 way(placesU[std::size_t(column)].slope, placesV[std::size_t(row)].slope, 1);
             Offer<Word> sample = samples[lane];
             sample.part = arithmetic.partOf(
-                sample.part, partWord(arithmetic, std::min(1.0, std::sqrt((way * setup_.lengths).dot(way)))));
+                sample.part, arithmetic.partWord(std::min(1.0, std::sqrt((way * setup_.lengths).dot(way)))));
             shaded[lane] = classified(arithmetic, sample);
         });
     }

@@ -38,6 +38,8 @@ class TracedArithmetic {
         return exact_.corrected(x, mean, bounds, relaxation);
     }
 
+    Word partWord(double part) const { return exact_.partWord(part); }
+
     /// The words since the last call, in the order in which they were used.
     std::vector<std::uint32_t> taken() const { return std::exchange(words_, {}); }
 
