@@ -32,12 +32,14 @@ void addOptions(CLI::App& app, Arguments& a) {
     addPerspectiveOptions(app, a.machine);
 }
 
-cube4::ReplaySetup setupOf(const MachineArguments& a) {
+cube4::ReplaySetup setupOf(const MachineArguments& a, cube4::Trace& trace) {
+    trace.most = a.trace;
     cube4::ReplaySetup setup;
     setup.pipelines = a.pipelines;
     setup.overlap = !a.noOverlap;
     setup.sampling = a.sampling;
     setup.format = parseFormat(a);
+    setup.trace = a.trace > 0 ? &trace : nullptr;
     return setup;
 }
 
@@ -58,13 +60,23 @@ int verdict(const Arguments& a, const cube4::Agreement& agreement, nlohmann::ord
     return kFailed;
 }
 
+/// @throw InvalidArgument if the grids have voxels of their own
+void requireSameVoxels(const openvdb::GridBase& result, const openvdb::GridBase& recorded, const std::string& file) {
+    if (result.transform() != recorded.transform())
+        throw InvalidArgument(file + ": its '" + result.getName() +
+                              "' has other voxels than the run that was recorded, so that they cannot be compared "
+                              "(--upsample writes such files)");
+}
+
 int checkLight(const Arguments& a, TerminalProgress& progress) {
     const cube4::IlluminationRecord record = cube4::readIlluminationRecord(a.replay, a.machine.maxVoxels);
     const VdbFile file = readVdb(a.input);
     cube4::requireSameVolume(record, *selectDensity(file, record.grid));
     const openvdb::GridBase::ConstPtr lit = selectGrid(file, "radiosity");
+    requireSameVoxels(*lit, *cube4::fieldOf(record.file, "extinction"), a.input);
     const Timer timer;
-    const cube4::ReplayResult result = cube4::replay(record, setupOf(a.machine), progress.callback());
+    cube4::Trace trace;
+    const cube4::ReplayResult result = cube4::replay(record, setupOf(a.machine, trace), progress.callback());
     if (!result.complete) {
         message(a.machine.common, "stopped; nothing was checked");
         return kInterrupted;
@@ -75,6 +87,7 @@ int checkLight(const Arguments& a, TerminalProgress& progress) {
     if (judged.voxels < judged.active)
         agreement = cube4::worseOf(agreement, cube4::worseOf(result.deposit, result.unshot));
     const double seconds = timer.seconds();
+    showTrace(a.machine, trace);
     printReplay(result);
     printUse("machine", a.machine, useOf(result, record.box.voxels(), seconds));
     if (judged.voxels < judged.active)
@@ -90,11 +103,14 @@ int checkReconstruction(const Arguments& a, TerminalProgress& progress) {
     const cube4::ReconstructionRecord record = cube4::readReconstructionRecord(a.replay, a.machine.maxVoxels);
     const VdbFile file = readVdb(a.input);
     const openvdb::FloatGrid::Ptr volume = selectDensity(file, "");
-    const cube4::ReconstructionReplay result = cube4::replay(record, setupOf(a.machine), progress.callback());
+    requireSameVoxels(*volume, *cube4::fieldOf(record.file, "density"), a.input);
+    cube4::Trace trace;
+    const cube4::ReconstructionReplay result = cube4::replay(record, setupOf(a.machine, trace), progress.callback());
     if (!result.complete) {
         message(a.machine.common, "stopped; nothing was checked");
         return kInterrupted;
     }
+    showTrace(a.machine, trace);
     printReplay(result);
     const cube4::Agreement agreement =
         cube4::compareFields(result.field, cube4::denseField(*volume, record.box), record.box);

@@ -8,12 +8,14 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -45,7 +47,8 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->excludes(extinction)
         ->type_name("LO,HI[,ALPHA]");
     own(app.add_option("--albedo", a.albedo, "Single-scattering albedo"))->check(CLI::Range(0.0, 1.0));
-    own(app.add_option("--sun", a.suns, "Directional light: direction of travel and irradiance; repeatable"))
+    app.add_option("--sun", a.suns, "Directional light: direction of travel and irradiance; repeatable")
+        ->excludes(replay)
         ->allow_extra_args(false)
         ->type_name("X,Y,Z,E");
     own(app.add_option("--sky", a.light.sky, "Radiance from all sides"))->check(CLI::NonNegativeNumber);
@@ -77,36 +80,52 @@ void completeOptions(Arguments& a, const CLI::App& command) {
     a.setup.overlap = !a.machine.noOverlap;
     a.setup.resampling = a.interpolation == "linear" ? cube4::Resampling::linear : cube4::Resampling::nearest;
     a.setup.rule = a.exchange == "paper" ? cube4::ExchangeRule::asPrinted : cube4::ExchangeRule::corrected;
+    requireFactor(a.extinction, "--extinction");
+    if (!std::isfinite(a.albedo)) usageError("--albedo", "must be in [0,1]");
+    if (a.replay.empty() && a.suns.empty() && !(a.light.sky > 0))
+        usageError("--sun", "give light: --sun, --sky or both, or a run with --replay");
     requireValid(command, [&] {
         a.setup.validate();
         a.light.validate();
     });
 }
 
-/// The volume that was asked for, as extinction.
-openvdb::FloatGrid::Ptr extinctionOf(const Arguments& a, const openvdb::FloatGrid& density, double& scale) {
-    scale = a.extinction;
-    if (a.ramp.empty()) {
-        checkVoxels(density, density.getName());
-        return density.deepCopy();
+/// The volume that was asked for, as extinction, 1/world unit.
+openvdb::FloatGrid::Ptr extinctionOf(const Arguments& a, const openvdb::FloatGrid& density) {
+    if (!a.ramp.empty()) {
+        const std::vector<double> n = parseNumbers(a.ramp, "--ramp", 2, 3, "0.1,0.5 or 0.1,0.5,0.9");
+        return classify(density, rampFunction(n[0], n[1], n.size() > 2 ? n[2] : kRampOpacity)).extinction;
     }
-    const std::vector<double> n = parseNumbers(a.ramp, "--ramp", 2, 3, "0.1,0.5 or 0.1,0.5,0.9");
-    scale = 1;
-    return classify(density, rampFunction(n[0], n[1], n.size() > 2 ? n[2] : kRampOpacity)).extinction;
+    checkVoxels(density, density.getName());
+    const openvdb::FloatGrid::Ptr extinction = density.deepCopy();
+    setActive(*extinction, [&] {
+        return [&, in = density.getConstAccessor()](const openvdb::Coord& at) {
+            return float(double(in.getValue(at)) * a.extinction);
+        };
+    });
+    return extinction;
 }
 
-void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid& topology, const cube4::DenseBox& box,
+/// The grids of `file` besides light that it had, with what the machine has lit and its light.
+/// @param extinction 1/world unit
+void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid& extinction, const cube4::DenseBox& box,
               const cube4::DenseField& radiosity) {
     openvdb::GridPtrVec grids;
-    for (const openvdb::GridBase::Ptr& grid : file.grids)
-        if (grid->getName() != "radiosity" && grid->getName() != "extinction") grids.push_back(grid);
-    if (!a.ramp.empty()) {  // as raysweep light does: what is seen is not the density
-        grids.push_back(topology.deepCopyGrid());
-        grids.back()->setName("extinction");
+    for (const openvdb::GridBase::Ptr& grid : file.grids) {
+        const std::string name = grid->getName();
+        if (name == "extinction" && a.replay.empty() && a.grid != name)
+            warning(a.machine.common,
+                    "a grid 'extinction' of '" + a.input + "' is left out: what was lit is called so");
+        if (name != "radiosity" && name != "unshot" && name != "extinction") grids.push_back(grid);
     }
-    auto lit = cube4::extendedGrid(radiosity, box, topology);
-    lit->setName("radiosity");
-    grids.push_back(lit);
+    grids.push_back(extinction.deepCopyGrid());
+    grids.back()->setName("extinction");
+    grids.back()->insertMeta("raysweep_density", openvdb::StringMetadata("extinction"));
+    grids.back()->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
+    grids.push_back(cube4::extendedGrid(radiosity, box, extinction));
+    grids.back()->setName("radiosity");
+    grids.back()->insertMeta("raysweep_density", openvdb::StringMetadata("extinction"));
+    grids.back()->insertMeta("raysweep_extinction", openvdb::DoubleMetadata(1));
     writeVdb(a.output, {grids.begin(), grids.end()});
 }
 
@@ -154,11 +173,11 @@ struct OwnRun {
     bool complete = true;
 };
 
-OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, double scale, TerminalProgress& progress) {
+OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, cube4::Trace* trace,
+              TerminalProgress& progress) {
     OwnRun own;
     own.medium.box = cube4::boxAround(extinction, a.machine.maxVoxels);
     own.medium.extinction = cube4::denseField(extinction, own.medium.box);
-    for (float& value : own.medium.extinction) value = float(double(value) * scale);
     own.medium.albedo.assign(own.medium.extinction.size(), float(a.albedo));
     cube4::addDirectLight(own.medium, a.setup, a.light.suns);
     double source = 0;
@@ -166,7 +185,7 @@ OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, double s
 
     const Timer timer;
     cube4::Illumination exact(own.medium, a.setup);
-    own.run = cube4::runFreely(exact, own.medium.box, source, a.light, progress.callback());
+    own.run = cube4::runFreely(exact, own.medium.box, source, a.light, progress.callback(), trace);
     own.complete = own.run.complete;
     const cube4::Illumination* judged = &exact;
     std::optional<cube4::Illumination> rounded;
@@ -189,18 +208,25 @@ OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, double s
 int runAlone(const Arguments& a, TerminalProgress& progress) {
     const VdbFile file = readVdb(a.input);
     const openvdb::FloatGrid::Ptr density = selectDensity(file, a.grid);
-    double scale = 1;
-    const openvdb::FloatGrid::Ptr extinction = extinctionOf(a, *density, scale);
-    const OwnRun own = runOwn(a, *extinction, scale, progress);
+    const openvdb::FloatGrid::Ptr extinction = extinctionOf(a, *density);
+    cube4::Trace trace;
+    trace.most = a.machine.trace;
+    const OwnRun own = runOwn(a, *extinction, a.machine.trace > 0 ? &trace : nullptr, progress);
     if (!own.complete) {
         message(a.machine.common, "stopped; nothing was written");
         return kInterrupted;
     }
+    showTrace(a.machine, trace);
     printUse("machine", a.machine, own.use);
+    if (own.run.unshotShare > a.light.unshotShare)
+        warning(a.machine.common, brief(100 * own.run.unshotShare) +
+                                      " % of the power was still unshot in the end; a larger "
+                                      "--zeta moves it sooner");
     writeLit(a, file, *extinction, own.medium.box,
              cube4::radiosity(own.medium, a.setup, own.deposit, own.run.injections));
     nlohmann::ordered_json report = describeMachine(a.machine, own.use);
     report["sweeps"] = own.run.injections;
+    report["unshot_share"] = own.run.unshotShare;
     report["finishing_sweeps"] = int(own.run.sweeps.size()) - own.run.injections;
     if (own.toFloat.voxels > 0) {
         printAgreement("deposit, to floats", own.toFloat);

@@ -10,10 +10,13 @@
 #include "raysweep/core/output_file.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/volume/grid_select.h"
+#include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <memory>
+#include <optional>
 
 namespace raysweep::apps {
 namespace {
@@ -21,7 +24,8 @@ namespace {
 struct Arguments {
     MachineArguments machine;
     std::string input, output, grid, size = "512,512", direction, eye, up = "0,0,1";
-    double extinction = 1, exposure = 0, fov = 40;
+    std::optional<double> extinction;
+    double exposure = 0, fov = 40;
     cube4::RenderSetup setup;
 };
 
@@ -45,7 +49,8 @@ void addOptions(CLI::App& app, Arguments& a) {
     app.add_option("--size", a.size, "Width and height, pixels")->capture_default_str()->type_name("W,H");
     app.option_defaults()->group("Picture");
     app.add_option("--density", a.grid, "Grid that is seen (default: extinction, else density)")->type_name("NAME");
-    app.add_option("--extinction", a.extinction, "Extinction per unit density, 1/world unit")->capture_default_str();
+    app.add_option("--extinction", a.extinction,
+                   "Extinction per unit density, 1/world unit (default: as it was lit with, else 1)");
     app.add_option("--background", a.setup.background, "Radiance behind the volume")->capture_default_str();
     app.add_flag("--lambert", a.setup.lambert, "Shade by gradients: the paper's cosine factor");
     app.add_option("--depth", a.setup.depth, "Where samples lie between one slice and the next, [0,1)")
@@ -56,6 +61,9 @@ void addOptions(CLI::App& app, Arguments& a) {
 }
 
 void requireView(const Arguments& a) {
+    if (a.extinction) requireFactor(*a.extinction, "--extinction");
+    if (!std::isfinite(a.exposure)) usageError("--exposure", "must be finite");
+    if (a.machine.noOverlap) usageError("--no-overlap", "has no meaning here: nothing is written back");
     if (a.eye.empty() && a.direction.empty()) usageError("--view", "say where to look, or with --eye from where");
     if (!(a.fov > 0 && a.fov < 180)) usageError("--fov", "must be in (0,180)");
     if (a.eye.empty()) return;
@@ -69,20 +77,33 @@ const openvdb::GridBase* gridCalled(const VdbFile& file, const std::string& name
     return nullptr;
 }
 
+/// Extinction per unit density, as lit files say.
+double litExtinction(const openvdb::GridBase& radiosity) {
+    const auto scale = radiosity.getMetadata<openvdb::DoubleMetadata>("raysweep_extinction");
+    return scale ? scale->value() : 1;
+}
+
 cube4::LitVolume litVolume(const Arguments& a) {
     const VdbFile file = readVdb(a.input);
+    const openvdb::GridBase::ConstPtr lit = selectGrid(file, "radiosity");
     const bool own = a.grid.empty() && gridCalled(file, "extinction");
     const openvdb::FloatGrid::Ptr density = selectDensity(file, own ? "extinction" : a.grid);
-    const openvdb::GridBase::ConstPtr lit = selectGrid(file, "radiosity");
+    checkVoxels(*density, density->getName());
+    withTypedGrid(*lit, [](const auto& grid) { checkVoxels(grid, "radiosity"); });
     if (lit->transform() != density->transform())
         throw InvalidArgument(a.input + ": density and radiosity have different voxels; the machine has one memory");
     cube4::LitVolume volume;
     volume.box = cube4::boxAround(*density, a.machine.maxVoxels);
+    // Radiosity reaches a voxel further, so that what is interpolated at an edge is not mixed with nothing.
+    volume.box.low -= Index3(1);
+    volume.box.high += Index3(1);
+    cube4::requireAtMost(volume.box, a.machine.maxVoxels);
+    const double scale = own ? 1 : a.extinction.value_or(litExtinction(*lit));
     const openvdb::Vec3d origin =
         density->transform().indexToWorld(openvdb::Coord(volume.box.low.x, volume.box.low.y, volume.box.low.z));
     volume.origin = Vec3(origin.x(), origin.y(), origin.z());
     volume.extinction = cube4::denseField(*density, volume.box);
-    for (float& value : volume.extinction) value = float(double(value) * (own ? 1 : a.extinction));
+    for (float& value : volume.extinction) value = float(double(value) * scale);
     const int channels = lit->isType<openvdb::FloatGrid>() ? 1 : 3;
     for (int c = 0; c < channels; ++c) volume.radiosity.push_back(cube4::denseField(*lit, volume.box, c));
     return volume;

@@ -38,7 +38,9 @@ nlohmann::ordered_json describeReplay(const MachineArguments& a, const cube4::Il
     if (result.source.voxels > 0) json["direct_light"] = toJson(result.source);
     json["ray_power_difference"] = result.rayPower;
     json["balance"] = result.balance;
+    json["start_share"] = result.startShare;
     json["settled_share"] = result.settledShare;
+    json["direct_light_from_record"] = result.sourceFromRecord;
     if (a.format != "float") {
         json["rms_against_float"] = result.depositToFloat.rms;
         json["deposit_against_float"] = toJson(result.depositToFloat);
@@ -76,6 +78,11 @@ void printReplay(const cube4::ReplayResult& result) {
     std::cout << "rays: largest difference of a front's power " << brief(result.rayPower, 3) << "; balance "
               << brief(result.balance, 3) << "\n";
     if (result.depositToFloat.voxels > 0) printAgreement("deposit, to floats", result.depositToFloat);
+    if (result.sourceFromRecord)
+        std::cout << "taken from the record, not judged: direct light, as there are lights besides suns\n";
+    if (result.startShare > 0)
+        std::cout << "taken from the record, not judged: " << brief(100 * result.startShare)
+                  << " % of the power, under way from a coarser level before the first sweep\n";
     if (result.settledShare > 0)
         std::cout << "taken from the record, not judged: " << brief(100 * result.settledShare)
                   << " % of the deposit, settled on a coarser level\n";

@@ -12,6 +12,7 @@
 
 #include "raysweep/core/error.h"
 
+#include <array>
 #include <string>
 
 namespace raysweep::cube4 {
@@ -99,7 +100,18 @@ class Machine {
         if (voxelsRead_) memory_.read(voxelsRead_, input_.traversal, readVoxels_, counters);
         sequencer_.tick(return_.out(), counters);
         if (sequencer_.out) ++underWay_;
+        if (!options_.overlap) checkPort();
         if (options_.trace) record(*options_.trace);
+    }
+
+    /// One port for voxels and rays: one of the four accesses in a cycle.
+    void checkPort() {
+        Counters& n = result_.counters;
+        const std::array<std::uint64_t, 4> used = {n.voxelReads, n.voxelWrites, n.rayReads, n.rayWrites};
+        int accesses = 0;
+        for (std::size_t i = 0; i < used.size(); ++i) accesses += used[i] != portUsed_[i];
+        if (accesses > 1) n.conflicts += std::uint64_t(accesses - 1);
+        portUsed_ = used;
     }
 
     /// Where voxels and rays share a port, a cycle later: that is when it is free.
@@ -135,6 +147,8 @@ class Machine {
     PassResult<Word> result_;
     int underWay_ = 0;  ///< partial beams that were issued and whose rays are not back
 
+    std::array<std::uint64_t, 4> portUsed_{};  ///< accesses up to the last cycle
+
     Sequencer<Weight> sequencer_;
     StageShape shape_;
     RayBuffer<Word> buffer_;
@@ -159,6 +173,7 @@ void requireNoConflicts(const Counters& counters) {
     if (counters.conflicts > 0)
         throw Error("memory modules were used " + std::to_string(counters.conflicts) +
                     " times more than once in a cycle");
+    if (counters.hazards > 0) throw Error(std::to_string(counters.hazards) + " rays were read before they were back");
 }
 
 template <class Arithmetic>

@@ -47,7 +47,7 @@ struct PassResult {
     std::size_t bufferWords = 0;  ///< of beam buffers, in each pipeline
 };
 
-/// @throw Error if a memory module was used twice in a cycle
+/// @throw Error if a memory module was used twice in a cycle, or a ray was read before it was back
 void requireNoConflicts(const Counters& counters);
 
 /// Runs the clock until all voxels and rays are back.

@@ -12,6 +12,7 @@ struct Counters {
     std::uint64_t stalls = 0;     ///< cycles in which a beam could not be issued because its rays were not back yet
     std::uint64_t beams = 0;      ///< partial beams issued
     std::uint64_t conflicts = 0;  ///< accesses of a memory module beyond one in a cycle
+    std::uint64_t hazards = 0;    ///< rays that were read and were not those that were wanted
     std::uint64_t voxelReads = 0, voxelWrites = 0;
     std::uint64_t rayReads = 0, rayWrites = 0;
     std::uint64_t wordsOn = 0;    ///< words handed to the next pipeline of the ring, in the order of the pass
@@ -25,6 +26,7 @@ struct Counters {
 
     Counters& operator+=(const Counters& o) {
         cycles += o.cycles, stalls += o.stalls, beams += o.beams, conflicts += o.conflicts;
+        hazards += o.hazards;
         voxelReads += o.voxelReads, voxelWrites += o.voxelWrites, rayReads += o.rayReads, rayWrites += o.rayWrites;
         wordsOn += o.wordsOn, wordsBack += o.wordsBack;
         meetings += o.meetings, queued = std::max(queued, o.queued), boundCycles += o.boundCycles;

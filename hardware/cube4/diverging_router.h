@@ -40,7 +40,7 @@ class DivergingRouter {
         for (std::size_t lane = 0; lane < queues_.size(); ++lane) {
             std::deque<Waiting>& queue = queues_[lane];
             if (queue.empty()) continue;
-            buffer.write(lane, queue.front().ray.slot, queue.front().ray.ray, counters);
+            buffer.write(lane, queue.front().ray, counters);
             queue.pop_front();
             if (!queue.empty()) oldest = std::min(oldest, queue.front().beam);
         }

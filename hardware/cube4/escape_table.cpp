@@ -34,7 +34,10 @@ EscapeTable::EscapeTable(const Matrix3& worldFromIndex) {
         for (int i = 0; i < kEach; ++i) sum += all[std::size_t(q * kEach + i)];
         lengths_.push_back(sum / kEach);
     }
-    for (const double length : lengths_) meanInverse_ += 1 / length / kQuantiles;
+    for (const double length : lengths_) {
+        mean_ += length / kQuantiles;
+        meanInverse_ += 1 / length / kQuantiles;
+    }
     unit_ = lengths_[kQuantiles / 2];
     for (int entry = 0; entry <= kEntries; ++entry) {
         const double extinction = std::exp(kLeast + (kMost - kLeast) * entry / kEntries) / unit_;

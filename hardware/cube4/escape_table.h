@@ -18,11 +18,12 @@ class EscapeTable {
     /// @param extinction 1/world unit, not negative
     double probability(double extinction) const;
 
+    double meanLength() const { return mean_; }                ///< ⟨len⟩, world units
     double meanInverseLength() const { return meanInverse_; }  ///< ⟨1 / len⟩, 1/world unit
 
   private:
     std::vector<double> lengths_;  ///< quantiles of len
-    double meanInverse_ = 0, unit_ = 1;
+    double mean_ = 0, meanInverse_ = 0, unit_ = 1;
     std::vector<double> table_;  ///< p at σ = e^x / unit, x evenly spaced
 };
 

@@ -12,6 +12,7 @@ template <class Word>
 struct FinishedRay {
     Ray<Word> ray;
     std::int32_t slot = -1;  ///< address in the buffer; -1: none, it has left
+    RayTag tag{};            ///< of it in the next slice
     std::int32_t hops = 0;   ///< pipelines that it has to move on, where rays diverge
 };
 
@@ -30,7 +31,9 @@ void finishDiverging(const Beam<Weight>& beam, const Traversal& traversal, const
         if (slice.last || u.to < 0 || v.to < 0)
             leaving.at(u.ray, v.ray) = rayAt(lane);
         else
-            rays[lane] = {rayAt(lane), buffer.slotOf(u.to, v.to, slice.number + 1),
+            rays[lane] = {rayAt(lane),
+                          buffer.slotOf(u.to, v.to, slice.number + 1),
+                          {{u.ray, v.ray, slice.number + 1}},
                           slice.hops + u.to - column + v.to - row};
     });
 }
@@ -58,7 +61,7 @@ void finishRays(const Beam<Weight>& beam, const Traversal& traversal, const RayB
         if (leavesRow || u + slice.toU < 0 || u + slice.toU > lastU)
             leaving.at(u - slice.shiftU, v - slice.shiftV) = ray;
         else
-            rays[lane] = {ray, address.slotOf(u), 0};
+            rays[lane] = {ray, address.slotOf(u), {{u - slice.shiftU, v - slice.shiftV, slice.number + 1}}, 0};
     });
 }
 

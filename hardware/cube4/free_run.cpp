@@ -80,7 +80,7 @@ void addDirectLight(DenseMedium& medium, const IlluminationSetup& setup, const s
 }
 
 FreeRun runFreely(Illumination& machine, const DenseBox& box, double sourcePower, const SceneLight& light,
-                  const ProgressCallback& progress) {
+                  const ProgressCallback& progress, Trace* trace) {
     light.validate();
     FreeRun run;
     Directions directions(light.sweeps, light.seed);
@@ -90,7 +90,7 @@ FreeRun runFreely(Illumination& machine, const DenseBox& box, double sourcePower
         front.offsetV = directions.uniform();
         // One direction stands for the whole sphere.
         if (inject) front.entering = light.sky * 4 * kPi * crossSection(box, front.direction);
-        const FrontPower power = machine.sweep({front}, inject).front();
+        const FrontPower power = machine.sweep({front}, inject, trace).front();
         run.power.entered += power.entered;
         run.power.escaped += power.escaped;
         run.sweeps.push_back({front, inject});
@@ -111,6 +111,8 @@ FreeRun runFreely(Illumination& machine, const DenseBox& box, double sourcePower
         }
         for (int i = 0; i < kLook; ++i) sweep(false);
     }
+    const double all = run.power.entered + sourcePower * run.injections;
+    if (all > 0) run.unshotShare = sumOf(machine.unshot()) / all;
     return run;
 }
 

@@ -35,8 +35,9 @@ struct ScriptedSweep {
 struct FreeRun {
     std::vector<ScriptedSweep> sweeps;  ///< as they were done: `repeat` does the same
     int injections = 0;
-    FrontPower power;      ///< of all rays
-    bool complete = true;  ///< false: stopped by the progress callback
+    FrontPower power;        ///< of all rays
+    double unshotShare = 0;  ///< of all power, that was still unshot in the end
+    bool complete = true;    ///< false: stopped by the progress callback
 };
 
 /// Adds the direct light of suns to `medium.source`.
@@ -45,7 +46,7 @@ void addDirectLight(DenseMedium& medium, const IlluminationSetup& setup, const s
 /// Sweeps until all is shot. `machine` holds a medium with its sources. @param box of the medium
 /// @param sourcePower that a sweep injects
 FreeRun runFreely(Illumination& machine, const DenseBox& box, double sourcePower, const SceneLight& light,
-                  const ProgressCallback& progress = {});
+                  const ProgressCallback& progress = {}, Trace* trace = nullptr);
 
 /// The same sweeps in another machine. @return false if it was stopped
 bool repeat(const FreeRun& run, Illumination& machine, const ProgressCallback& progress = {});

@@ -12,28 +12,28 @@
 namespace raysweep::cube4 {
 namespace {
 
-constexpr double kThinnest = 1e-20, kThickest = 1e6;  ///< optical depths: below none, above no more
+constexpr double kThinnest = 1e-20, kThickest = 1e6;  ///< mean optical depths: below none, above no more
 constexpr int kTableBits = 16;                        ///< of a scalar that address a table, at most
 
 double voxelEdge(const DenseBox& box) {
     return std::cbrt(box.voxelVolume());
 }
 
+/// The extinction of a voxel as it counts.
+double counting(const DenseMedium& medium, std::size_t i) {
+    const double mean = medium.escapeTable()->meanLength();
+    const double depth = double(medium.extinction[i]) * mean;
+    return depth < kThinnest ? 0.0 : std::min(depth, kThickest) / mean;
+}
+
 /// Escape probabilities of voxels; 1 where the rule knows of none.
 DenseField escapes(const DenseMedium& medium, ExchangeRule rule) {
     DenseField escape(medium.extinction.size(), 1.0f);
     if (rule == ExchangeRule::asPrinted) return escape;
-    const EscapeTable table(medium.box.worldFromIndex);
     for (std::size_t i = 0; i < escape.size(); ++i)
         if (medium.extinction[i] > 0 && !medium.isSurface(i))
-            escape[i] = float(table.probability(double(medium.extinction[i])));
+            escape[i] = float(medium.escapeTable()->probability(counting(medium, i)));
     return escape;
-}
-
-/// Extinctions as they count.
-float counting(float extinction, double edge) {
-    const double depth = double(extinction) * edge;
-    return depth < kThinnest ? 0.0f : float(std::min(depth, kThickest) / edge);
 }
 
 }  // namespace
@@ -67,7 +67,8 @@ class MachineOf : public Illumination::Machine {
     using Word = typename Arithmetic::Word;
 
     MachineOf(const DenseMedium& medium, const IlluminationSetup& setup, Arithmetic arithmetic)
-        : box_(medium.box),
+        : escape_(medium.escapeTable()),
+          box_(medium.box),
           setup_(setup),
           arithmetic_(std::move(arithmetic)),
           pad_(setup.resampling == Resampling::linear ? 1 : 0),
@@ -76,7 +77,7 @@ class MachineOf : public Illumination::Machine {
         const DenseField escape = escapes(medium, setup.rule), gain = effectiveAlbedo(medium, setup.rule);
         for (Voxel<Word>& voxel : memory_.all()) voxel.escape = toWord(1, 1);
         forEachVoxel([&](std::size_t i, Voxel<Word>& voxel) {
-            voxel.scalar = toWord(double(counting(medium.extinction[i], voxelEdge(box_))), scalarUnit_);
+            voxel.scalar = toWord(counting(medium, i), scalarUnit_);
             voxel.gain = toWord(double(gain[i]), partUnit_);
             voxel.escape = toWord(1 / double(escape[i]), 1);
             for (std::size_t axis = 0; medium.isSurface(i) && axis < 3; ++axis)
@@ -191,7 +192,7 @@ class MachineOf : public Illumination::Machine {
     void fillTables(ExchangeSetup<Word>& setup) const {
         const int bits = arithmetic_.format().scalar;
         setup.tableShift = std::max(0, bits - kTableBits);
-        const EscapeTable& escape = escapeTable();
+        const EscapeTable& escape = *escape_;
         for (std::size_t entry = 0; entry < std::size_t(1) << (bits - setup.tableShift); ++entry) {
             // The middle of the scalars that share the entry.
             const double scalar = double(entry << setup.tableShift) + 0.5 * (std::ldexp(1.0, setup.tableShift) - 1);
@@ -203,18 +204,13 @@ class MachineOf : public Illumination::Machine {
         }
     }
 
-    const EscapeTable& escapeTable() const {
-        if (!escape_) escape_.emplace(box_.worldFromIndex);
-        return *escape_;
-    }
-
+    std::shared_ptr<const EscapeTable> escape_;
     DenseBox box_;
     IlluminationSetup setup_;
     Arithmetic arithmetic_;
     int pad_;
     double scalarUnit_ = 1, powerUnit_ = 1, partUnit_ = 1;
     VoxelMemory<Word> memory_;
-    mutable std::optional<EscapeTable> escape_;
 };
 
 std::unique_ptr<Illumination::Machine> machineFor(const DenseMedium& medium, const IlluminationSetup& setup) {
@@ -290,10 +286,10 @@ DenseField radiosity(const DenseMedium& medium, const IlluminationSetup& setup, 
     const DenseField escape = escapes(medium, setup.rule), gain = effectiveAlbedo(medium, setup.rule);
     const double volume = medium.box.voxelVolume(), edge = voxelEdge(medium.box);
     const bool printed = setup.rule == ExchangeRule::asPrinted;
-    const double meanInverse = printed ? EscapeTable(medium.box.worldFromIndex).meanInverseLength() : 0;
+    const double meanInverse = medium.escapeTable()->meanInverseLength();
     DenseField radiosity(deposit.size(), 0.0f);
     for (std::size_t i = 0; i < deposit.size(); ++i) {
-        const double extinction = double(counting(medium.extinction[i], edge));
+        const double extinction = counting(medium, i);
         if (!(extinction > 0) || medium.isSurface(i)) continue;
         const double absorbs =
             printed ? -std::expm1(-extinction * edge) * volume * meanInverse : extinction * volume * double(escape[i]);

@@ -13,6 +13,8 @@
 // in one of two banks: one for even slices and one for odd ones, so that none is written where another is still to be
 // read.
 //
+// Every read is checked: that it finds the ray that it wants, finished in the slice before.
+//
 // Rays that enter the volume are not in the buffer: the address generator knows them by where they were a slice before.
 #pragma once
 
@@ -20,6 +22,7 @@
 #include "cube4/traversal.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -54,6 +57,9 @@ struct RayPlane {
     }
 };
 
+/// What tells a ray that is ready for slice k from all others: (u, v, k), u and v of the lattice.
+using RayTag = std::array<std::int32_t, 3>;
+
 template <class Word>
 class RayBuffer {
   public:
@@ -64,6 +70,7 @@ class RayBuffer {
           rows_(traversal.size.y),
           banks_(diverging ? 2 : 1),
           rays_(std::size_t(banks_) * std::size_t(columns_) * std::size_t(rows_) * std::size_t(pipelines)),
+          tags_(rays_.size(), RayTag{{0, 0, -1}}),
           readIn_(std::size_t(pipelines), 0),
           writtenIn_(std::size_t(pipelines), 0) {}
 
@@ -99,7 +106,7 @@ class RayBuffer {
                 ++entered_;
                 return;
             }
-            out[lane] = readSlot(lane, row.slotOf(u), counters);
+            out[lane] = readSlot(lane, row.slotOf(u), {u - slice.shiftU, v - slice.shiftV, slice.number}, counters);
         });
     }
 
@@ -119,11 +126,15 @@ class RayBuffer {
         return {modulo(row - shiftV, rows_) * columns_, modulo(shiftU, width), width, pipelines_};
     }
 
-    void write(std::size_t lane, int slot, const Ray<Word>& ray, Counters& counters) {
+    /// @param ray has `ray`, its `slot` and its `tag`
+    template <class Finished>
+    void write(std::size_t lane, const Finished& ray, Counters& counters) {
         counters.conflicts += writtenIn_[lane] == cycle_;
         writtenIn_[lane] = cycle_;
         ++counters.rayWrites;
-        rays_[std::size_t(slot) * std::size_t(pipelines_) + lane] = ray;
+        const std::size_t place = std::size_t(ray.slot) * std::size_t(pipelines_) + lane;
+        rays_[place] = ray.ray;
+        tags_[place] = ray.tag;
     }
 
     std::uint64_t entered() const { return entered_; }
@@ -145,16 +156,18 @@ class RayBuffer {
                 out[lane] = entering.at(u.ray, v.ray);
                 ++entered_;
             } else {
-                out[lane] = readSlot(lane, slotOf(column, row, slice.number), counters);
+                out[lane] = readSlot(lane, slotOf(column, row, slice.number), {u.ray, v.ray, slice.number}, counters);
             }
         });
     }
 
-    const Ray<Word>& readSlot(std::size_t lane, int slot, Counters& counters) {
+    const Ray<Word>& readSlot(std::size_t lane, int slot, const RayTag& wanted, Counters& counters) {
         counters.conflicts += readIn_[lane] == cycle_;
         readIn_[lane] = cycle_;
         ++counters.rayReads;
-        return rays_[std::size_t(slot) * std::size_t(pipelines_) + lane];
+        const std::size_t place = std::size_t(slot) * std::size_t(pipelines_) + lane;
+        counters.hazards += tags_[place] != wanted;
+        return rays_[place];
     }
 
     static int modulo(int value, int by) {
@@ -164,6 +177,7 @@ class RayBuffer {
 
     int pipelines_, columns_, rows_, banks_;
     std::vector<Ray<Word>> rays_;  ///< by address, then by pipeline
+    std::vector<RayTag> tags_;     ///< of each: the machine has none, they are there to check it
     std::vector<std::uint64_t> readIn_, writtenIn_;
     std::uint64_t cycle_ = 0, entered_ = 0;
 };

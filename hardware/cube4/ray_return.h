@@ -23,7 +23,7 @@ class RayReturn {
         if (!parallel_.out()) return false;
         for (std::size_t lane = 0; lane < parallel_.rays().size(); ++lane) {
             const FinishedRay<Word>& ray = parallel_.rays()[lane];
-            if (ray.slot >= 0) buffer.write(lane, ray.slot, ray.ray, counters);
+            if (ray.slot >= 0) buffer.write(lane, ray, counters);
         }
         return true;
     }

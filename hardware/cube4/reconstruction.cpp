@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace raysweep::cube4 {
@@ -251,8 +252,7 @@ class MachineOf : public Reconstruction::Machine {
             setup.relaxation = Word(relaxation);
             setup.bounds = {Word(setup_.lower), Word(setup_.upper)};
         } else {
-            setup.relaxation =
-                toWord(relaxation * correctionUnit_ / valueUnit_, std::ldexp(1.0, -arithmetic_.relaxationBits()));
+            setup.relaxation = relaxationWord(relaxation);
             const double most = setup_.largestValue;
             setup.bounds = {toWord(std::max(setup_.lower, -most), valueUnit_),
                             toWord(std::min(setup_.upper, most), valueUnit_)};
@@ -304,6 +304,23 @@ class MachineOf : public Reconstruction::Machine {
         const std::size_t bits =
             setup_.format ? std::size_t(format.scalar) + sums * std::size_t(format.sum) : (1 + sums) * 8 * sizeof(Word);
         return (memory_.voxelsPerModule() * bits + 7) / 8;
+    }
+
+    /// @throw InvalidArgument if its product with a correction needs more than 63 bits
+    Word relaxationWord(double relaxation) const {
+        if constexpr (Arithmetic::kExact) {
+            return Word(relaxation);
+        } else {
+            const NumberFormat& format = arithmetic_.format();
+            const double word = std::ldexp(relaxation * correctionUnit_ / valueUnit_, arithmetic_.relaxationBits());
+            constexpr int kBits = 62;
+            if (std::abs(word) >= std::ldexp(1.0, kBits - std::max(format.energy, format.weight)))
+                throw InvalidArgument("corrections of up to " + std::to_string(setup_.largestCorrection) +
+                                      " are too many times the voxels' largest value, " +
+                                      std::to_string(setup_.largestValue) + ", for energy words of " +
+                                      std::to_string(format.energy) + " bits: their products do not fit");
+            return Word(std::llround(word));
+        }
     }
 
     double leastLength() const { return kLeastLength * std::cbrt(box_.voxelVolume()); }

@@ -32,7 +32,6 @@ auto readRecord(const std::string& path, const std::string& kind, const Read& re
                         "\"" + kind + "\"; it is \"" + found + "\", which is for another subcommand");
         auto record = read(fields);
         record.file.path = path;
-        record.file.kind = kind;
         record.file.fields = readVdb((std::filesystem::path(path).parent_path() / fields.text("fields")).string());
         return record;
     } catch (const IoError& e) {
@@ -104,6 +103,8 @@ RecordedGroup readGroup(JsonFields& fields, std::size_t channels) {
         recorded.direction = beam.vector("direction");
         if (!(recorded.direction.length() > 0)) beam.fail("direction", "longer than 0");
         const std::vector<double> offset = numbers(beam, "offset", 2);
+        for (const double part : offset)
+            if (!(part >= 0 && part < 1)) beam.fail("offset", "two numbers in [0,1)");
         recorded.offsetU = offset[0];
         recorded.offsetV = offset[1];
         recorded.entering = numbers(beam, "entering", channels);
@@ -167,21 +168,27 @@ IlluminationRecord readIlluminationRecord(const std::string& path, std::size_t m
         read.channels = fields.integer("channels");
         if (read.channels != 1 && read.channels != kMostChannels) fields.fail("channels", "1 or 3");
         if (!fields.at("albedo").is_string()) read.albedo = numbers(fields, "albedo", std::size_t(read.channels));
+        for (const double albedo : read.albedo)
+            if (!(albedo >= 0 && albedo <= 1)) fields.fail("albedo", "in [0,1]");
         read.powerUnit = fields.number("power_unit");
+        if (!(read.powerUnit > 0)) fields.fail("power_unit", "above 0");
         read.zeta = fields.number("zeta");
         read.mostShot = fields.number("most_shot");
         forEachElement(fields, "suns", [&](JsonFields& sun) {
             read.suns.push_back({sun.vector("direction"), numbers(sun, "irradiance", std::size_t(read.channels))});
         });
         read.otherSources = flag(fields, "other_sources");
-        read.surfaceOpacity = fields.number("surface_opacity");
+        if (fields.has("surface_opacity")) read.surfaceOpacity = fields.number("surface_opacity");
         forEachElement(fields, "groups",
                        [&](JsonFields& group) { read.groups.push_back(readGroup(group, std::size_t(read.channels))); });
+        if (read.groups.empty()) fields.fail("groups", "at least one: without sweeps there is nothing to do again");
         read.injections = fields.integer("injections");
+        if (read.injections < 0) fields.fail("injections", "0 or more");
         read.settled = flag(fields, "settled");
         return read;
     });
     requireAtMost(record.box, mostVoxels);
+    if (record.settled) fieldOf(record.file, "settled");
     return record;
 }
 
@@ -189,8 +196,7 @@ ReconstructionRecord readReconstructionRecord(const std::string& path, std::size
     ReconstructionRecord record = readRecord(path, "reconstruct", [&](JsonFields& fields) {
         ReconstructionRecord read;
         JsonFields grid(fields.at("grid"), "grid.");
-        if (grid.has("low")) read.box.low = indices(grid, "low");
-        read.box.high = read.box.low + indices(grid, "dims");
+        read.box.high = indices(grid, "dims");
         for (int axis = 0; axis < 3; ++axis)
             if (read.box.high[axis] <= read.box.low[axis]) grid.fail("dims", "at least 1");
         read.origin = grid.vector("origin");
@@ -228,6 +234,7 @@ ReconstructionRecord readReconstructionRecord(const std::string& path, std::size
     });
     requireAtMost(record.box, mostVoxels);
     requireProjections(record);
+    if (record.support) fieldOf(record.file, "support");
     return record;
 }
 

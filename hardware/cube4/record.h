@@ -17,8 +17,7 @@ namespace raysweep::cube4 {
 /// A file of a run.
 struct RecordFile {
     std::string path;
-    std::string kind;  ///< "illuminate" or "reconstruct"
-    VdbFile fields;    ///< the volumes beside it
+    VdbFile fields;  ///< the volumes beside it
 };
 
 /// A beam of a recorded sweep, for each of up to three wavelengths.

@@ -1,7 +1,6 @@
 #include "cube4/replay.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/checksum.h"
 
 #include <algorithm>
@@ -50,8 +49,8 @@ bool runGroups(const IlluminationRecord& record, int channel, double sourcePower
         for (std::size_t i = 0; i < fronts.size(); ++i) {
             const double entered = group.beams[i].entered[std::size_t(channel)],
                          escaped = group.beams[i].escaped[std::size_t(channel)];
-            power.worst =
-                std::max({power.worst, relative(fronts[i].entered, entered), relative(fronts[i].escaped, escaped)});
+            for (const double off : {relative(fronts[i].entered, entered), relative(fronts[i].escaped, escaped)})
+                if (!(off <= power.worst)) power.worst = off;  // so that NaN stays
             power.entered += fronts[i].entered;
             power.escaped += fronts[i].escaped;
             power.injected += group.inject ? sourcePower : 0;
@@ -143,24 +142,7 @@ DenseField answerOf(const IlluminationRecord& record, const DenseMedium& medium,
 }  // namespace
 
 Agreement compareFields(const DenseField& ours, const openvdb::GridBase& theirs, const DenseBox& box, int channel) {
-    Comparison comparison;
-    const auto add = [&](const openvdb::Coord& at, float their) {
-        const Index3 voxel(at.x(), at.y(), at.z());
-        for (int axis = 0; axis < 3; ++axis)
-            if (voxel[axis] < box.low[axis] || voxel[axis] >= box.high[axis]) return;
-        comparison.add(voxel, double(ours[box.indexOf(voxel)]), double(their));
-    };
-    withTypedGrid(theirs, [&](const auto& grid) {
-        forEachActive(grid, [&](const auto& value, const openvdb::CoordBBox& of) {
-            for (auto voxel = of.begin(); voxel; ++voxel) {
-                if constexpr (std::is_same_v<std::decay_t<decltype(value)>, float>)
-                    add(*voxel, value);
-                else
-                    add(*voxel, value[channel]);
-            }
-        });
-    });
-    return comparison.result();
+    return compareFields(ours, denseField(theirs, box, channel), box);
 }
 
 Agreement compareFields(const DenseField& ours, const DenseField& theirs, const DenseBox& box) {
@@ -174,8 +156,9 @@ Agreement compareFields(const DenseField& ours, const DenseField& theirs, const 
 }
 
 Agreement worseOf(const Agreement& a, const Agreement& b) {
-    Agreement worse = !(a.worst >= b.worst) ? b : a;
-    worse.rms = std::max(a.rms, b.rms);
+    // Written so that NaN is the worst.
+    Agreement worse = a.worst >= b.worst || std::isnan(a.worst) ? a : b;
+    worse.rms = a.rms >= b.rms || std::isnan(a.rms) ? a.rms : b.rms;
     worse.voxels = std::max(a.voxels, b.voxels);
     return worse;
 }
@@ -228,9 +211,12 @@ ReplayResult replay(const IlluminationRecord& record, const ReplaySetup& setup, 
     ReplayResult result;
     const auto deposit = fieldOf(record.file, "deposit"), unshot = fieldOf(record.file, "unshot");
     for (const RecordedGroup& group : record.groups) result.sweeps += int(group.beams.size());
+    result.sourceFromRecord = record.otherSources;
     for (int c = 0; c < record.channels; ++c) {
         const DenseMedium medium = mediumOf(record, c);
         const double sourcePower = sumOf(medium.source);
+        if (const double all = sourcePower * record.injections + sumOf(medium.unshot); all > 0)
+            result.startShare = std::max(result.startShare, sumOf(medium.unshot) / all);
         IlluminationSetup machineSetup = setupFor(record, setup);
         RunPower power;
         Illumination exact(medium, machineSetup);
@@ -256,9 +242,9 @@ ReplayResult replay(const IlluminationRecord& record, const ReplaySetup& setup, 
         result.deposit = worseOf(result.deposit, compareFields(result.depositFields.back(), *deposit, record.box, c));
         result.unshot = worseOf(result.unshot, compareFields(judged->unshot(), *unshot, record.box, c));
         result.source = worseOf(result.source, compareSource(record, medium, setup, c));
-        result.rayPower = std::max(result.rayPower, power.worst);
+        if (!(power.worst <= result.rayPower)) result.rayPower = power.worst;
         const double balance = balanceOf(medium, record.rule, *judged, power);
-        if (std::abs(balance) >= std::abs(result.balance)) result.balance = balance;
+        if (!(std::abs(balance) <= std::abs(result.balance))) result.balance = balance;
         result.radiosityFields.push_back(answerOf(record, medium, result.depositFields.back(), c, result.settledShare));
         for (float& value : result.radiosityFields.back()) value = float(double(value) * record.powerUnit);
         take(*judged, result);

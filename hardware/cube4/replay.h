@@ -13,13 +13,13 @@ namespace raysweep::cube4 {
 
 /// How two fields agree.
 struct Agreement {
-    double rms = 0;     ///< RMS difference over the RMS of the software's; of active voxels
+    double rms = 0;     ///< RMS difference over the RMS of the software's
     double worst = 0;   ///< largest difference, over the software's largest value
     Index3 worstAt{0};  ///< its voxel
     std::size_t voxels = 0;
 };
 
-/// @param theirs the software's; its grid's active voxels are compared
+/// @param theirs the software's; where it has no voxel it is 0
 Agreement compareFields(const DenseField& ours, const openvdb::GridBase& theirs, const DenseBox& box, int channel);
 
 /// The same of all voxels of two fields.
@@ -43,7 +43,10 @@ struct ReplayResult {
     double rayPower = 0;  ///< largest relative difference of what the rays of a front carried at both ends
     double balance = 0;   ///< (injected - absorbed - escaped - unshot) / injected, of what the machine holds
     std::vector<DenseField> depositFields, radiosityFields;  ///< of each wavelength
-    double settledShare = 0;  ///< of the deposit that was settled on a coarser level, and taken from the record
+    double startShare =
+        0;  ///< of the power of sources and start, what was unshot before the first sweep, from the record
+    bool sourceFromRecord = false;  ///< point lights or emission: direct light was not judged
+    double settledShare = 0;        ///< of the deposit that was settled on a coarser level, and taken from the record
     int sweeps = 0;
     bool complete = true;  ///< false: stopped by the progress callback
     Counters counters;     ///< of all wavelengths

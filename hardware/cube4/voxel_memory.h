@@ -30,7 +30,13 @@ class VoxelMemory {
           pipelines_(pipelines),
           skew_(skew),
           voxels_(std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z)),
-          used_(std::size_t(pipelines), 0) {}
+          used_(std::size_t(pipelines), 0) {
+        std::vector<std::size_t> held(std::size_t(pipelines), 0);
+        for (int z = 0; z < size.z; ++z)
+            for (int y = 0; y < size.y; ++y)
+                for (int x = 0; x < size.x; ++x) ++held[std::size_t(moduleOf({x, y, z}))];
+        fullest_ = *std::max_element(held.begin(), held.end());
+    }
 
     const Index3& size() const { return size_; }
     Voxel<Word>& at(const Index3& voxel) { return voxels_[indexOf(voxel)]; }
@@ -38,21 +44,23 @@ class VoxelMemory {
     std::vector<Voxel<Word>>& all() { return voxels_; }
     const std::vector<Voxel<Word>>& all() const { return voxels_; }
 
-    /// Modules hold this many voxels each: as many as the fullest.
-    std::size_t voxelsPerModule() const {
-        return (voxels_.size() + std::size_t(pipelines_) - 1) / std::size_t(pipelines_);
-    }
+    /// That the fullest module holds: the others are as large.
+    std::size_t voxelsPerModule() const { return fullest_; }
 
     template <class Weight>
     void read(const Beam<Weight>& beam, const Traversal& traversal, Lanes<Voxel<Word>>& out, Counters& counters) {
-        access(beam, traversal, counters, [&](std::size_t lane, std::size_t index) { out[lane] = voxels_[index]; });
-        counters.voxelReads += std::uint64_t(countOf(beam, traversal));
+        access(beam, traversal, counters, [&](std::size_t lane, std::size_t index) {
+            out[lane] = voxels_[index];
+            ++counters.voxelReads;
+        });
     }
 
     template <class Weight>
     void write(const Beam<Weight>& beam, const Traversal& traversal, const Lanes<Voxel<Word>>& in, Counters& counters) {
-        access(beam, traversal, counters, [&](std::size_t lane, std::size_t index) { voxels_[index] = in[lane]; });
-        counters.voxelWrites += std::uint64_t(countOf(beam, traversal));
+        access(beam, traversal, counters, [&](std::size_t lane, std::size_t index) {
+            voxels_[index] = in[lane];
+            ++counters.voxelWrites;
+        });
     }
 
     void beginCycle() { ++cycle_; }
@@ -116,6 +124,7 @@ class VoxelMemory {
     std::vector<Voxel<Word>> voxels_;
     std::vector<std::uint64_t> used_;  ///< the last cycle in which a module was used
     std::uint64_t cycle_ = 0;
+    std::size_t fullest_ = 0;
 };
 
 }  // namespace raysweep::cube4
