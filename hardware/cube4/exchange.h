@@ -10,7 +10,7 @@
 //                      the ray is offered α and out; 0 and out - in where it is alone with the voxel (nearest)
 //     projecting       the ray is offered 1 and x
 //     backprojecting   x = clamp(x + λ c / w),  c the corrections of rays, w how much of rays that count is here; in a
-//                      group of passes c is added up in `fresh` and w in `deposit`
+//                      pass of several c is added up in `fresh` and w in `deposit`
 //
 // A voxel with a surface of normal n takes from rays that arrive, ω·n < 0, and shoots s = min(most, 4 part) ω·n into
 // those that leave; as printed it takes α |ω·n| and shoots most ω·n.
@@ -40,11 +40,12 @@ struct ExchangeSetup {
     double ofSurface = 1;  ///< a surface shoots this times the cosine
     Vec3 travel{0, 0, 1};  ///< direction of travel, world space, unit
     bool inject = false;   ///< sources are added
-    bool group = false;    ///< one of several passes whose changes are added up beside the voxels' values,
-    bool settle = true;    ///< and become part of them in the last one
+    bool group = false;    ///< one of several directions that see the same U: changes are added up beside it,
+    bool settle = true;    ///< and become part of it in the last one; of corrections likewise
     // Backprojecting.
-    Word relaxation{};   ///< λ
-    Ray<Word> bounds{};  ///< least and largest value of a voxel
+    bool several = false;  ///< one of several passes whose corrections are added up beside x
+    Word relaxation{};     ///< λ
+    Ray<Word> bounds{};    ///< least and largest value of a voxel
     // Fixed point: by the leading bits of a scalar.
     std::vector<Word> opacity, shot;
     int tableShift = 0;  ///< bits of a scalar that are left out
@@ -137,7 +138,7 @@ class Exchange {
     }
 
     void correct(const Arithmetic& arithmetic, Voxel<Word>& voxel, Ray<Word> mean) const {
-        if (setup_.group) {
+        if (setup_.several) {
             mean = {arithmetic.accumulate(voxel.fresh, mean.value), arithmetic.accumulate(voxel.deposit, mean.weight)};
             voxel.fresh = setup_.settle ? Word{} : mean.value;
             voxel.deposit = setup_.settle ? Word{} : mean.weight;

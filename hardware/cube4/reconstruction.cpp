@@ -204,9 +204,9 @@ class MachineOf : public Reconstruction::Machine {
         passRegions(bound(backprojecting), journey, std::move(corrections),
                     [&](const RegionPass<Weight>& pass, const RayPlane<Word>& entering) {
                         ExchangeSetup<Word> setup = exchangeSetup(Pass::backproject, relaxation);
-                        setup.group = fronts.several || pass.grouped;
+                        setup.several = fronts.several || pass.grouped;
                         setup.settle = fronts.last && pass.lastOfRegion;
-                        if (setup.group) bytesPerModule = bytesOfModule(2);
+                        if (setup.several) bytesPerModule = bytesOfModule(2);
                         return run({pass.traversal, pass.slices}, setup, entering, nullptr);
                     });
     }

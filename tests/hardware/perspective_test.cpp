@@ -303,7 +303,7 @@ std::array<double, 2> products(NearPoint& machine, const cube4::PerspectiveFront
         forward += double(sums.rays[i].value) * double(weights.rays[i].value);
     }
     setup.pass = cube4::Pass::backproject;
-    setup.group = true;
+    setup.several = true;
     setup.settle = false;
     machine.run(front, cube4::RayOrder::converging, setup, weights);
     return {forward, productInVoxels(machine, front)};
