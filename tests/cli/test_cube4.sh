@@ -68,6 +68,19 @@ expect_json report.json "r['rms_against_float'] < 0.02"
 expect_exit 0 "$cube4" reconstruct box.vdb -o turned.vdb --views 40 --iterations 3 --report report.json
 expect_json report.json "r['volume']['rms'] < 0.2 and r['updates'] == 120"
 
+# A cone's rays go through the volume in regions; with more of them for a pixel there is less to interpolate.
+"$raysweep" project box.vdb -o cone.exr --cone 70,140 --views 9 --detector 48,24,2
+"$raysweep" ct cone_00*.exr --cone 70,140 --pitch 2 --size 32,32,16 --spacing 1 --iterations 2 -o round.vdb --record cone.json
+expect_exit 0 "$cube4" check round.vdb --replay cone.json --max-rms 0.2 --report report.json
+expect_json report.json "r['queue_peak'] >= 1 and r['bound_cycles'] > 0 and r['bank_conflicts'] == 0"
+rms=$(json report.json "r['volume']['rms']")
+expect_exit 0 "$cube4" reconstruct --replay cone.json --least-spacing 0.25 --rays-per-pixel 2 --report report.json
+expect_json report.json "r['volume']['rms'] < 0.5 * $rms"
+expect_exit 0 "$cube4" render lit.vdb -o eye.exr --eye 0,-3,0.8 --view 0,3,-0.8 --fov 45 --size 64,64 --extinction 8 --report report.json
+expect_json report.json "r['target'] == [0, 0, 0] and r['fov'] == 45"
+expect_exit 0 "$raysweep" render lit.vdb -o theirs.exr --eye 0,-3,0.8 --target 0,0,0 --fov 45 --size 64,64 --extinction 8
+expect_exit 0 "$raysweep" compare eye.exr theirs.exr --max-rms 0.0044
+
 # Where each beam is, as a table and as a picture.
 expect_exit 0 "$cube4" illuminate --replay run.json --trace 12 --trace-picture trace.svg
 expect_output "ray_update"
@@ -102,6 +115,9 @@ refuse 1 "missing" illuminate cloud.vdb -o missing/a.vdb --sky 1
 refuse 2 "--view" render lit.vdb -o out/a.png
 refuse 1 "length" render lit.vdb -o out/a.png --view 0,0,0
 refuse 1 "along" render lit.vdb -o out/a.png --view 0,0,1
+refuse 2 "--fov" render lit.vdb -o out/a.png --eye 0,-3,0 --fov 180
+refuse 2 "--lambert" render lit.vdb -o out/a.png --eye 0,-3,0 --lambert
+refuse 2 "--least-spacing" reconstruct --replay cone.json -o out/a.vdb --least-spacing 2
 refuse 2 ".exr or .png" render lit.vdb -o out/a.jpg --view 0,1,0
 refuse 1 "radiosity" render cloud.vdb -o out/a.png --view 0,1,0
 refuse 1 "which is for another subcommand" illuminate --replay ct.json
