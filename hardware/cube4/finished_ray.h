@@ -12,8 +12,8 @@ template <class Word>
 struct FinishedRay {
     Ray<Word> ray;
     std::int32_t slot = -1;  ///< address in the buffer; -1: none, it has left
-    RayTag tag{};            ///< of it in the next slice
     std::int32_t hops = 0;   ///< pipelines that it has to move on, where rays diverge
+    RayTag tag{};            ///< of it in the next slice
 };
 
 /// finishRays for rays that come from a point: each goes its own way.
@@ -33,8 +33,8 @@ void finishDiverging(const Beam<Weight>& beam, const Traversal& traversal, const
         else
             rays[lane] = {rayAt(lane),
                           buffer.slotOf(u.to, v.to, slice.number + 1),
-                          {{u.ray, v.ray, slice.number + 1}},
-                          slice.hops + u.to - column + v.to - row};
+                          slice.hops + u.to - column + v.to - row,
+                          {{u.ray, v.ray, slice.number + 1}}};
     });
 }
 
@@ -61,7 +61,7 @@ void finishRays(const Beam<Weight>& beam, const Traversal& traversal, const RayB
         if (leavesRow || u + slice.toU < 0 || u + slice.toU > lastU)
             leaving.at(u - slice.shiftU, v - slice.shiftV) = ray;
         else
-            rays[lane] = {ray, address.slotOf(u), {{u - slice.shiftU, v - slice.shiftV, slice.number + 1}}, 0};
+            rays[lane] = {ray, address.slotOf(u), 0, {{u - slice.shiftU, v - slice.shiftV, slice.number + 1}}};
     });
 }
 

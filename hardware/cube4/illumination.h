@@ -26,8 +26,8 @@ struct DenseMedium {
     DenseField extinction;             ///< 1/world unit
     DenseField albedo;                 ///< in [0,1]
     std::array<DenseField, 3> normal;  ///< of surfaces, outwards, world space, 0 elsewhere; empty: none
-    DenseField source;  ///< power that every sweep injects in a voxel; empty: none
-    DenseField unshot;  ///< power that is there to be shot before the first sweep; empty: none
+    DenseField source;                 ///< power that every sweep injects in a voxel; empty: none
+    DenseField unshot;                 ///< power that is there to be shot before the first sweep; empty: none
 
     bool isSurface(std::size_t i) const {
         return !normal[0].empty() && (normal[0][i] != 0 || normal[1][i] != 0 || normal[2][i] != 0);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "cube4/arithmetic.h"
 #include "hardware/random_box.h"
 #include "raysweep/core/error.h"
 #include "support/worst.h"
@@ -120,4 +121,36 @@ TEST(Cube4, TraceTellsWhereEachBeamIs) {
     EXPECT_EQ(trace.cycles[0][0].slice, 0);
     EXPECT_EQ(trace.cycles[1][0].slice, -1);  // every other cycle belongs to voxels that are written
     EXPECT_EQ(trace.cycles[2][0].part, 1);
+}
+
+// Slices that are done before the rays of the last one are back: the sequencer waits, and what is found does not
+// change.
+TEST(Cube4, WaitsForRaysThatAreUnderWay) {
+    using namespace cube4;
+    const Index3 size(5, 4, 7);  // with a layer of empty voxels
+    const FloatArithmetic arithmetic;
+    const auto project = [&](int pipelines) {
+        VoxelMemory<float> memory(size, pipelines);
+        for (int i = 0; i < 30; ++i) {
+            Voxel<float>& voxel = memory.at(Index3(1 + i % 3, 1 + i / 3 % 2, 1 + i / 6));
+            voxel.scalar = 1 + 0.1f * float(i);
+            voxel.gain = 1;
+        }
+        const Traversal traversal =
+            traverse(size, {Index3(1), size - Index3(1)}, {Vec3(0.4, -0.3, 1), 0.3, 0.8}, Resampling::linear);
+        const auto slices = slicesOf(traversal, arithmetic);
+        ExchangeSetup<float> setup;
+        setup.pass = Pass::project;
+        return runPass(arithmetic, memory, {traversal, slices, setup, RayPlane<float>(traversal, slices)}, pipelines);
+    };
+    const auto alone = project(1);
+    std::uint64_t stalls = 0;
+    for (const int pipelines : {2, 8, 40}) {
+        const auto result = project(pipelines);
+        stalls += result.counters.stalls;
+        EXPECT_EQ(result.counters.hazards, 0u);
+        for (std::size_t i = 0; i < alone.leaving.rays.size(); ++i)
+            ASSERT_EQ(result.leaving.rays[i].value, alone.leaving.rays[i].value) << pipelines;
+    }
+    EXPECT_GT(stalls, 0u);
 }

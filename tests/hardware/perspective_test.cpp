@@ -387,8 +387,8 @@ TEST(Cube4Perspective, AFullQueueStopsTheMachine) {
     cube4::RayBuffer<float> buffer(traversal, 4, true);
     cube4::Counters counters;
     cube4::Lanes<cube4::FinishedRay<float>> two(4), none(4);
-    two[0] = {{1, 1}, 0, 0};
-    two[1] = {{2, 1}, 1, -1};
+    two[0] = {{1, 1}, 0, 0, {}};
+    two[1] = {{2, 1}, 1, -1, {}};
     int beams = 3, stops = 0, returned = 0;
     for (int cycle = 0; cycle < 20; ++cycle) {
         buffer.beginCycle();
