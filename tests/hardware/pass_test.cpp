@@ -96,6 +96,12 @@ TEST(Cube4, OnePipelineHasNoNeighbour) {
     EXPECT_GT(two.pass(oblique(2, 1), {0.5, 0.5}, 0.3f).counters.wordsOn, 0u);
 }
 
+// 8x8x8 voxels lie on 22 diagonals of up to 48, one module each where there are more modules than that.
+TEST(Cube4, ModulesAreAsLargeAsTheFullest) {
+    EXPECT_EQ(cube4::VoxelMemory<float>(Index3(8), 4).voxelsPerModule(), 128u);
+    EXPECT_EQ(cube4::VoxelMemory<float>(Index3(8), 40).voxelsPerModule(), 48u);
+}
+
 TEST(Cube4, MemoryWithoutSkewHasConflicts) {
     for (int axis = 0; axis < 3; ++axis) {
         RandomBox box({1, 1, 1}, 4, 0, cube4::Skew::none);
