@@ -26,7 +26,7 @@ void addOptions(CLI::App& app, Arguments& a) {
     app.add_option("--replay", a.replay, "What --record wrote of that run")->required()->type_name("RUN.json");
     app.add_option("--max-rms", a.maxRms, "Exit code 1 if the RMS difference, relative, is above this")
         ->capture_default_str()
-        ->check(CLI::NonNegativeNumber)
+        ->check(CLI::Range(0.0, 1e9))
         ->type_name("X");
     addMachineOptions(app, a.machine);
     addPerspectiveOptions(app, a.machine);

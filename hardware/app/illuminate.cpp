@@ -51,9 +51,9 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->excludes(replay)
         ->allow_extra_args(false)
         ->type_name("X,Y,Z,E");
-    own(app.add_option("--sky", a.light.sky, "Radiance from all sides"))->check(CLI::NonNegativeNumber);
+    own(app.add_option("--sky", a.light.sky, "Radiance from all sides"));
     app.option_defaults()->group("Iteration");
-    own(app.add_option("--sweeps", a.light.sweeps, "Sweeps that inject light"))->check(CLI::PositiveNumber);
+    own(app.add_option("--sweeps", a.light.sweeps, "Sweeps that inject light"));
     own(app.add_option("--zeta", a.setup.zeta, "Part of its unshot power that a voxel shoots in a sweep"));
     own(app.add_option("--interpolation", a.interpolation, "nearest or linear"))
         ->check(CLI::IsMember({"nearest", "linear"}));

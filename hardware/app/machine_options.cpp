@@ -37,10 +37,11 @@ void addMachineOptions(CLI::App& app, MachineArguments& a) {
     app.add_flag("--no-overlap", a.noOverlap, "Voxels and rays share a port: read and written one after the other");
     app.add_option("--clock", a.clock, "Clock for the times that are printed, MHz")
         ->capture_default_str()
-        ->check(CLI::PositiveNumber)
+        ->check(CLI::Range(1e-3, 1e6))
         ->type_name("MHZ");
     app.add_option("--max-voxels", a.maxVoxels, "Largest volume, made dense, voxels")
         ->capture_default_str()
+        ->check(CLI::Range(1.0, 1e12))
         ->type_name("N");
     app.add_option("--trace", a.trace, "Prints which partial beam is in which stage, for the first N cycles")
         ->type_name("N");
@@ -114,6 +115,7 @@ nlohmann::ordered_json describeMachine(const MachineArguments& a, const MachineU
             {"cycles_per_voxel", double(n.cycles) / (double(use.passes) * double(use.voxels))},
             {"stalls", n.stalls},
             {"bank_conflicts", n.conflicts},
+            {"saturations", n.saturations},
             {"partial_beams", n.beams},
             {"voxel_reads", n.voxelReads},
             {"voxel_writes", n.voxelWrites},
@@ -140,6 +142,8 @@ void printUse(const std::string& what, const MachineArguments& a, const MachineU
               << brief(perVoxel * a.pipelines, 4) << " per voxel and pipeline; " << use.counters.stalls << " stalls, "
               << use.counters.conflicts << " conflicts; " << brief(double(use.counters.cycles) / (a.clock * 1e6), 3)
               << " s at " << brief(a.clock, 4) << " MHz\n";
+    if (use.counters.saturations > 0)
+        std::cout << use.counters.saturations << " sums did not fit their words and became the largest that does\n";
 }
 
 void showTrace(const MachineArguments& a, const cube4::Trace& trace) {

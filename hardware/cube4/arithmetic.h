@@ -4,6 +4,7 @@
 #include "cube4/words.h"
 
 #include <algorithm>
+#include <cstdint>
 
 namespace raysweep::cube4 {
 
@@ -30,6 +31,7 @@ struct FloatArithmetic {
         return std::clamp(x + relaxation * (mean.value / mean.weight), bounds.value, bounds.weight);
     }
     Word one() const { return 1; }
+    std::uint64_t takeSaturations() const { return 0; }
     Word partWord(double part) const { return Word(part); }
 };
 

@@ -182,6 +182,7 @@ PassResult<typename Arithmetic::Word> runPass(const Arithmetic& arithmetic,
                                               const PassInput<Arithmetic>& input, int pipelines,
                                               const PassOptions& options) {
     auto result = Machine<Arithmetic>(arithmetic, memory, input, pipelines, options).run();
+    result.counters.saturations = arithmetic.takeSaturations();
     requireNoConflicts(result.counters);
     return result;
 }

@@ -9,10 +9,11 @@ namespace raysweep::cube4 {
 
 struct Counters {
     std::uint64_t cycles = 0;
-    std::uint64_t stalls = 0;     ///< cycles in which a beam could not be issued because its rays were not back yet
-    std::uint64_t beams = 0;      ///< partial beams issued
-    std::uint64_t conflicts = 0;  ///< accesses of a memory module beyond one in a cycle
-    std::uint64_t hazards = 0;    ///< rays that were read and were not those that were wanted
+    std::uint64_t stalls = 0;       ///< cycles in which a beam could not be issued because its rays were not back yet
+    std::uint64_t beams = 0;        ///< partial beams issued
+    std::uint64_t conflicts = 0;    ///< accesses of a memory module beyond one in a cycle
+    std::uint64_t saturations = 0;  ///< sums of powers that did not fit their words, and became the largest that does
+    std::uint64_t hazards = 0;      ///< rays that were read and were not those that were wanted
     std::uint64_t voxelReads = 0, voxelWrites = 0;
     std::uint64_t rayReads = 0, rayWrites = 0;
     std::uint64_t wordsOn = 0;    ///< words handed to the next pipeline of the ring, in the order of the pass
@@ -26,7 +27,7 @@ struct Counters {
 
     Counters& operator+=(const Counters& o) {
         cycles += o.cycles, stalls += o.stalls, beams += o.beams, conflicts += o.conflicts;
-        hazards += o.hazards;
+        saturations += o.saturations, hazards += o.hazards;
         voxelReads += o.voxelReads, voxelWrites += o.voxelWrites, rayReads += o.rayReads, rayWrites += o.rayWrites;
         wordsOn += o.wordsOn, wordsBack += o.wordsBack;
         meetings += o.meetings, queued = std::max(queued, o.queued), boundCycles += o.boundCycles;

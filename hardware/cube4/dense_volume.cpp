@@ -56,7 +56,10 @@ DenseBox boxAround(const openvdb::GridBase& grid, std::size_t mostVoxels) {
     if (active.empty()) throw InvalidArgument("grid '" + grid.getName() + "' has no active voxels");
     DenseBox box;
     box.worldFromIndex = linearPart(grid);
+    constexpr int kFarthest = 1 << 30;
     for (int axis = 0; axis < 3; ++axis) {
+        if (active.min()[axis] < -kFarthest || active.max()[axis] > kFarthest)
+            throw InvalidArgument("grid '" + grid.getName() + "' has active voxels beyond 2^30 voxels");
         box.low[axis] = blockBelow(active.min()[axis]);
         box.high[axis] = blockBelow(active.max()[axis]) + kBlock;
     }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace raysweep::cube4 {
 
@@ -56,8 +57,10 @@ class FixedPoint {
     Word mixParts(const Between<Weight>& weights, Word low, Word high) const { return mix(weights, low, high); }
     Word partOf(Word power, Word part) const { return shifted(power * part, format_.part); }
     /// Of powers; saturates.
-    Word add(Word a, Word b) const { return std::min(a + b, largest(format_.energy)); }
-    Word accumulate(Word sum, Word more) const { return std::min(sum + more, largest(format_.sum)); }
+    Word add(Word a, Word b) const { return limited(a + b, largest(format_.energy)); }
+    Word accumulate(Word sum, Word more) const { return limited(sum + more, largest(format_.sum)); }
+    /// Sums that did not fit their words since the last call.
+    std::uint64_t takeSaturations() const { return std::exchange(saturations_, 0); }
     Word subtract(Word a, Word b) const { return a - b; }
     Word corrected(Word x, const Ray<Word>& mean, const Ray<Word>& bounds, Word relaxation) const {
         // λ / weight, as a table for the weight gives it.
@@ -83,6 +86,11 @@ class FixedPoint {
 
   private:
     static Word largest(int bits) { return (Word(1) << bits) - 1; }
+    Word limited(Word value, Word most) const {
+        if (value <= most) return value;
+        ++saturations_;
+        return most;
+    }
     /// A number of so many bits; of more than 32 the highest are random.
     Word randomBelow(int bits) const {
         constexpr int kDrawn = 32;
@@ -99,6 +107,7 @@ class FixedPoint {
 
     NumberFormat format_;
     mutable std::uint32_t random_;
+    mutable std::uint64_t saturations_ = 0;
 };
 
 }  // namespace raysweep::cube4

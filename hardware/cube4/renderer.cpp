@@ -173,6 +173,7 @@ PassResult<typename Arithmetic::Word> runRender(const Arithmetic& arithmetic,
                                                 VoxelMemory<typename Arithmetic::Word>& memory,
                                                 const RenderInput<Arithmetic>& input, int pipelines, Trace* trace) {
     auto result = Machine<Arithmetic>(arithmetic, memory, input, pipelines, trace).run();
+    result.counters.saturations = arithmetic.takeSaturations();
     requireNoConflicts(result.counters);
     return result;
 }

@@ -109,6 +109,11 @@ refuse() { # CODE TEXT ARGUMENTS...
 }
 refuse 2 "pipelines" illuminate cloud.vdb -o out/a.vdb --pipelines 0
 refuse 2 "pipelines" illuminate cloud.vdb -o out/a.vdb --pipelines 5000
+refuse 2 "--sky -1: must be 0 or more" illuminate cloud.vdb -o out/a.vdb --sky -1 --sun 0,0,-1,1
+refuse 2 "--sweeps 0: must be at least 1" illuminate cloud.vdb -o out/a.vdb --sky 1 --sweeps 0
+refuse 2 "give light" illuminate cloud.vdb -o out/a.vdb
+refuse 2 "--extinction" illuminate cloud.vdb -o out/a.vdb --sky 1 --extinction nan
+refuse 2 "--max-voxels" illuminate cloud.vdb -o out/a.vdb --sky 1 --max-voxels -1
 refuse 2 "--format" illuminate cloud.vdb -o out/a.vdb --format double
 refuse 2 "--format: energy 3: must be 4 to 31 bits" illuminate cloud.vdb -o out/a.vdb --format 16,3,12,12
 refuse 2 "give one width" illuminate cloud.vdb -o out/a.vdb --format 16,12
