@@ -13,8 +13,8 @@ lines=0
 while IFS= read -r line; do
     expect_exit 0 bash -c "${line/--quality final/--quality final --resolution 0.25}"
     lines=$((lines + 1))
-done < <(sed -n 's/^    \(raysweep .*\)/\1/p' "$readme")
-[ "$lines" -ge 7 ] || fail "only $lines lines found"
+done < <(sed -n 's/^    \(raysweep\(-cube4\)\? .*\)/\1/p' "$readme")
+[ "$lines" -ge 13 ] || fail "only $lines lines found"
 for file in lit.vdb lit.png room.vdb scan.mha volume.vdb slices.png; do
     [ -s "$file" ] || fail "$file was not written"
 done
