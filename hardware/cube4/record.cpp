@@ -184,11 +184,9 @@ IlluminationRecord readIlluminationRecord(const std::string& path, std::size_t m
         if (read.groups.empty()) fields.fail("groups", "at least one: without sweeps there is nothing to do again");
         read.injections = fields.integer("injections");
         if (read.injections < 0) fields.fail("injections", "0 or more");
-        read.settled = flag(fields, "settled");
         return read;
     });
     requireAtMost(record.box, mostVoxels);
-    if (record.settled) fieldOf(record.file, "settled");
     return record;
 }
 

@@ -51,7 +51,6 @@ struct IlluminationRecord {
     double surfaceOpacity = 0;  ///< of a voxel edge, from which on what is behind a surface is solid; 0: a fog
     std::vector<RecordedGroup> groups;
     int injections = 0;
-    bool settled = false;
 };
 
 /// One view's rays. World units.
