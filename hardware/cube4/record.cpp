@@ -160,7 +160,8 @@ IlluminationRecord readIlluminationRecord(const std::string& path, std::size_t m
         read.box.low = indices(lattice, "low");
         read.box.high = indices(lattice, "high");
         for (int axis = 0; axis < 3; ++axis)
-            if (read.box.high[axis] <= read.box.low[axis]) lattice.fail("high", "above `low`");
+            if (read.box.high[axis] <= read.box.low[axis])
+                lattice.fail("high", "above `low`; an empty volume leaves nothing to do again");
         read.box.worldFromIndex = matrix(lattice, "world_from_index");
         read.rule =
             oneOf(fields, "exchange", "corrected", ExchangeRule::corrected, "as-printed", ExchangeRule::asPrinted);
