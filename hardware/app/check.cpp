@@ -32,17 +32,6 @@ void addOptions(CLI::App& app, Arguments& a) {
     addPerspectiveOptions(app, a.machine);
 }
 
-cube4::ReplaySetup setupOf(const MachineArguments& a, cube4::Trace& trace) {
-    trace.most = a.trace;
-    cube4::ReplaySetup setup;
-    setup.pipelines = a.pipelines;
-    setup.overlap = !a.noOverlap;
-    setup.sampling = a.sampling;
-    setup.format = parseFormat(a);
-    setup.trace = a.trace > 0 ? &trace : nullptr;
-    return setup;
-}
-
 /// Says how well they agree. @return exit code
 int verdict(const Arguments& a, const cube4::Agreement& agreement, nlohmann::ordered_json report) {
     const bool agrees = agreement.rms <= a.maxRms;
@@ -76,7 +65,7 @@ int checkLight(const Arguments& a, TerminalProgress& progress) {
     requireSameVoxels(*lit, *cube4::fieldOf(record.file, "extinction"), a.input);
     const Timer timer;
     cube4::Trace trace;
-    const cube4::ReplayResult result = cube4::replay(record, setupOf(a.machine, trace), progress.callback());
+    const cube4::ReplayResult result = cube4::replay(record, replaySetup(a.machine, trace), progress.callback());
     if (!result.complete) {
         message(a.machine.common, "stopped; nothing was checked");
         return kInterrupted;
@@ -105,7 +94,8 @@ int checkReconstruction(const Arguments& a, TerminalProgress& progress) {
     const openvdb::FloatGrid::Ptr volume = selectDensity(file, "");
     requireSameVoxels(*volume, *cube4::fieldOf(record.file, "density"), a.input);
     cube4::Trace trace;
-    const cube4::ReconstructionReplay result = cube4::replay(record, setupOf(a.machine, trace), progress.callback());
+    const cube4::ReconstructionReplay result =
+        cube4::replay(record, replaySetup(a.machine, trace), progress.callback());
     if (!result.complete) {
         message(a.machine.common, "stopped; nothing was checked");
         return kInterrupted;

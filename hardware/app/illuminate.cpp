@@ -138,13 +138,8 @@ int replayRecord(const Arguments& a, TerminalProgress& progress) {
     }
     if (!a.output.empty() && record.channels != 1)
         throw InvalidArgument(a.replay + ": three wavelengths; what the machine writes has one");
-    cube4::ReplaySetup setup;
-    setup.pipelines = a.machine.pipelines;
-    setup.overlap = !a.machine.noOverlap;
-    setup.format = parseFormat(a.machine);
     cube4::Trace trace;
-    trace.most = a.machine.trace;
-    setup.trace = a.machine.trace > 0 ? &trace : nullptr;
+    const cube4::ReplaySetup setup = replaySetup(a.machine, trace);
     const Timer timer;
     const cube4::ReplayResult result = cube4::replay(record, setup, progress.callback());
     if (!result.complete) {
@@ -180,12 +175,10 @@ OwnRun runOwn(const Arguments& a, const openvdb::FloatGrid& extinction, cube4::T
     own.medium.extinction = cube4::denseField(extinction, own.medium.box);
     own.medium.albedo.assign(own.medium.extinction.size(), float(a.albedo));
     cube4::addDirectLight(own.medium, a.setup, a.light.suns);
-    double source = 0;
-    for (const float value : own.medium.source) source += double(value);
-
     const Timer timer;
     cube4::Illumination exact(own.medium, a.setup);
-    own.run = cube4::runFreely(exact, own.medium.box, source, a.light, progress.callback(), trace);
+    own.run =
+        cube4::runFreely(exact, own.medium.box, cube4::sumOf(own.medium.source), a.light, progress.callback(), trace);
     own.complete = own.run.complete;
     const cube4::Illumination* judged = &exact;
     std::optional<cube4::Illumination> rounded;

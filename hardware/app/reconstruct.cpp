@@ -116,14 +116,8 @@ int run(const Arguments& a) {
     const ThreadLimit limit = start(a.machine.common);
     initializeGrids();
     if (!a.output.empty()) requireWritable(a.output);
-    cube4::ReplaySetup setup;
-    setup.pipelines = a.machine.pipelines;
-    setup.overlap = !a.machine.noOverlap;
-    setup.sampling = a.machine.sampling;
-    setup.format = parseFormat(a.machine);
     cube4::Trace trace;
-    trace.most = a.machine.trace;
-    setup.trace = a.machine.trace > 0 ? &trace : nullptr;
+    const cube4::ReplaySetup setup = replaySetup(a.machine, trace);
     TerminalProgress progress(a.machine.common);
     return a.replay.empty() ? reconstructVolume(a, setup, trace, progress) : replayRecord(a, setup, trace, progress);
 }

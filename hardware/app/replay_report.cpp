@@ -17,6 +17,17 @@ MachineUse useOf(const cube4::ReconstructionReplay& result, const cube4::Counter
 
 }  // namespace
 
+cube4::ReplaySetup replaySetup(const MachineArguments& a, cube4::Trace& trace) {
+    trace.most = a.trace;
+    cube4::ReplaySetup setup;
+    setup.pipelines = a.pipelines;
+    setup.overlap = !a.noOverlap;
+    setup.sampling = a.sampling;
+    setup.format = parseFormat(a);
+    setup.trace = a.trace > 0 ? &trace : nullptr;
+    return setup;
+}
+
 MachineUse useOf(const cube4::ReplayResult& result, std::size_t voxels, double seconds) {
     return {result.counters, result.passes, voxels, result.bytesPerModule, result.bufferBytes, seconds};
 }

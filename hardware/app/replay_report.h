@@ -10,6 +10,9 @@
 
 namespace raysweep::apps {
 
+/// How the machine is to do a recorded run. @param trace takes what --trace asks for
+cube4::ReplaySetup replaySetup(const MachineArguments& arguments, cube4::Trace& trace);
+
 MachineUse useOf(const cube4::ReplayResult& result, std::size_t voxels, double seconds);
 
 nlohmann::ordered_json toJson(const cube4::Agreement& agreement);

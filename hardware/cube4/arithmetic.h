@@ -19,8 +19,6 @@ struct FloatArithmetic {
     Word mix(const Between<Weight>& weights, Word low, Word high) const {
         return weights.low * low + weights.high * high;
     }
-    /// Interpolates parts of 1.
-    Word mixParts(const Between<Weight>& weights, Word low, Word high) const { return mix(weights, low, high); }
     /// The part of a power.
     Word partOf(Word power, Word part) const { return power * part; }
     Word add(Word a, Word b) const { return a + b; }
@@ -32,6 +30,8 @@ struct FloatArithmetic {
     }
     Word one() const { return 1; }
     std::uint64_t takeSaturations() const { return 0; }
+    /// The word of a value; units are for integers.
+    static Word word(double value, double /*unit*/) { return Word(value); }
     Word partWord(double part) const { return Word(part); }
 };
 

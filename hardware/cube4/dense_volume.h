@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <vector>
 
 namespace raysweep::cube4 {
@@ -31,6 +32,12 @@ using DenseField = std::vector<float>;
 /// 0 if it has no voxels.
 inline double largestOf(const DenseField& field) {
     return field.empty() ? 0 : double(*std::max_element(field.begin(), field.end()));
+}
+
+/// In doubles.
+inline double sumOf(const DenseField& field) {
+    return std::accumulate(field.begin(), field.end(), 0.0,
+                           [](double sum, float value) { return sum + double(value); });
 }
 
 /// The box around the active voxels of `grid`, whole blocks of 8.

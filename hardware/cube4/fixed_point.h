@@ -54,7 +54,6 @@ class FixedPoint {
     Word mix(const Between<Weight>& weights, Word low, Word high) const {
         return shifted(weights.low * low + weights.high * high, format_.weight);
     }
-    Word mixParts(const Between<Weight>& weights, Word low, Word high) const { return mix(weights, low, high); }
     Word partOf(Word power, Word part) const { return shifted(power * part, format_.part); }
     /// Of powers; saturates.
     Word add(Word a, Word b) const { return limited(a + b, largest(format_.energy)); }
@@ -69,8 +68,9 @@ class FixedPoint {
     }
     /// A part of 1.
     Word one() const { return Word(1) << format_.part; }
+    static Word word(double value, double unit) { return std::llround(value / unit); }
     /// The word of a part, as a table gives it.
-    Word partWord(double part) const { return std::llround(std::ldexp(part, format_.part)); }
+    Word partWord(double part) const { return word(part, std::ldexp(1.0, -format_.part)); }
 
     /// `value` / 2^bits, rounded.
     Word shifted(Word value, int bits) const {

@@ -48,11 +48,6 @@ class Directions {
     std::vector<Vec3> left_;
 };
 
-double sumOf(const DenseField& field) {
-    return std::accumulate(field.begin(), field.end(), 0.0,
-                           [](double sum, float value) { return sum + double(value); });
-}
-
 }  // namespace
 
 void SceneLight::validate() const {

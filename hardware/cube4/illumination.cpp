@@ -36,6 +36,14 @@ DenseField escapes(const DenseMedium& medium, ExchangeRule rule) {
     return escape;
 }
 
+/// Effective albedos, from escape probabilities.
+DenseField gains(const DenseMedium& medium, const DenseField& escape) {
+    DenseField gain(escape.size());
+    for (std::size_t i = 0; i < gain.size(); ++i)
+        gain[i] = float(double(medium.albedo[i]) * leavingPart(double(medium.albedo[i]), double(escape[i])));
+    return gain;
+}
+
 }  // namespace
 
 void IlluminationSetup::validate() const {
@@ -46,11 +54,15 @@ void IlluminationSetup::validate() const {
     if (format) format->validate();
 }
 
+namespace {
+enum class Stored { unshot, deposit };
+}  // namespace
+
 /// What both kinds of arithmetic have in common for those who do not care.
 struct Illumination::Machine {
     virtual ~Machine() = default;
     virtual FrontPower sweep(const SweepFront& front, bool inject, bool group, bool last, Trace* trace) = 0;
-    virtual DenseField read(std::size_t word) const = 0;
+    virtual DenseField read(Stored word) const = 0;
 
     Counters counters;
     std::size_t passes = 0, bytesPerModule = 0, bufferBytes = 0;
@@ -58,8 +70,6 @@ struct Illumination::Machine {
 };
 
 namespace {
-
-constexpr std::size_t kUnshot = 0, kDeposit = 1;
 
 template <class Arithmetic>
 class MachineOf : public Illumination::Machine {
@@ -74,12 +84,12 @@ class MachineOf : public Illumination::Machine {
           pad_(setup.resampling == Resampling::linear ? 1 : 0),
           memory_(medium.box.size() + Index3(2 * pad_), setup.pipelines) {
         chooseUnits(medium);
-        const DenseField escape = escapes(medium, setup.rule), gain = effectiveAlbedo(medium, setup.rule);
-        for (Voxel<Word>& voxel : memory_.all()) voxel.escape = toWord(1, 1);
-        forEachVoxel([&](std::size_t i, Voxel<Word>& voxel) {
-            voxel.scalar = toWord(counting(medium, i), scalarUnit_);
-            voxel.gain = toWord(double(gain[i]), partUnit_);
-            voxel.escape = toWord(1 / double(escape[i]), 1);
+        const DenseField escape = escapes(medium, setup.rule), gain = gains(medium, escape);
+        for (Voxel<Word>& voxel : memory_.all()) voxel.escape = Arithmetic::word(1, 1);
+        memory_.forEachWithin(pad_, [&](std::size_t i, Voxel<Word>& voxel) {
+            voxel.scalar = Arithmetic::word(counting(medium, i), scalarUnit_);
+            voxel.gain = Arithmetic::word(double(gain[i]), partUnit_);
+            voxel.escape = Arithmetic::word(1 / double(escape[i]), 1);
             for (std::size_t axis = 0; medium.isSurface(i) && axis < 3; ++axis)
                 voxel.normal[axis] = medium.normal[axis][i];
             if (!medium.source.empty()) voxel.source = toPower(double(medium.source[i]), "source");
@@ -119,10 +129,10 @@ class MachineOf : public Illumination::Machine {
         return sums;
     }
 
-    DenseField read(std::size_t word) const override {
+    DenseField read(Stored word) const override {
         DenseField field(box_.voxels());
-        const_cast<MachineOf*>(this)->forEachVoxel([&](std::size_t i, const Voxel<Word>& voxel) {
-            field[i] = float(double(word == kUnshot ? voxel.unshot : voxel.deposit) * powerUnit_);
+        memory_.forEachWithin(pad_, [&](std::size_t i, const Voxel<Word>& voxel) {
+            field[i] = float(double(word == Stored::unshot ? voxel.unshot : voxel.deposit) * powerUnit_);
         });
         return field;
     }
@@ -136,22 +146,12 @@ class MachineOf : public Illumination::Machine {
     }
     std::size_t bitsPerRay() const { return setup_.format ? std::size_t(setup_.format->energy) : 8 * sizeof(Word); }
 
-    /// Calls `visit(i, voxel)` for voxels of the box, i as in DenseBox.
-    template <class Visit>
-    void forEachVoxel(const Visit& visit) {
-        const Index3 size = box_.size();
-        std::size_t i = 0;
-        for (int z = 0; z < size.z; ++z)
-            for (int y = 0; y < size.y; ++y)
-                for (int x = 0; x < size.x; ++x) visit(i++, memory_.at(Index3(x, y, z) + Index3(pad_)));
-    }
-
     void chooseUnits(const DenseMedium& medium) {
         if constexpr (!Arithmetic::kExact) {
             const NumberFormat& format = arithmetic_.format();
-            const float most = *std::max_element(medium.extinction.begin(), medium.extinction.end());
+            const double most = largestOf(medium.extinction);
             const auto largestCode = [](int bits) { return std::ldexp(1.0, bits) - 1; };
-            scalarUnit_ = most > 0 ? double(most) / largestCode(format.scalar) : 1;
+            scalarUnit_ = most > 0 ? most / largestCode(format.scalar) : 1;
             powerUnit_ = setup_.largestPower / largestCode(format.energy);
             partUnit_ = std::ldexp(1.0, -format.part);
             format.requireSumsHold(setup_.largestDeposit / powerUnit_, "deposits");
@@ -160,14 +160,9 @@ class MachineOf : public Illumination::Machine {
         }
     }
 
-    static Word toWord(double value, double unit) {
-        if constexpr (Arithmetic::kExact) return Word(value);
-        return Word(std::llround(value / unit));
-    }
-
     /// @throw InvalidArgument if it does not fit
     Word toPower(double value, const char* what) const {
-        const Word word = toWord(value, powerUnit_);
+        const Word word = Arithmetic::word(value, powerUnit_);
         if constexpr (!Arithmetic::kExact)
             if (const double times = value / setup_.largestPower; times > 1)
                 throw InvalidArgument(std::string("energy words of ") + std::to_string(arithmetic_.format().energy) +
@@ -199,8 +194,8 @@ class MachineOf : public Illumination::Machine {
             const double depth = scalar * setup.depth, opacity = -std::expm1(-depth);
             const double p = setup_.rule == ExchangeRule::asPrinted ? 1 : escape.probability(scalar * scalarUnit_);
             const double shot = std::min(setup.part / p * (depth > 0 ? opacity / depth : 1), setup.most);
-            setup.opacity.push_back(toWord(opacity, partUnit_));
-            setup.shot.push_back(toWord(shot, partUnit_));
+            setup.opacity.push_back(Arithmetic::word(opacity, partUnit_));
+            setup.shot.push_back(Arithmetic::word(shot, partUnit_));
         }
     }
 
@@ -234,10 +229,10 @@ std::vector<FrontPower> Illumination::sweep(const std::vector<SweepFront>& front
 }
 
 DenseField Illumination::deposit() const {
-    return machine_->read(kDeposit);
+    return machine_->read(Stored::deposit);
 }
 DenseField Illumination::unshot() const {
-    return machine_->read(kUnshot);
+    return machine_->read(Stored::unshot);
 }
 double Illumination::largestPower() const {
     return machine_->largestPower;
@@ -256,11 +251,7 @@ std::size_t Illumination::bufferBytes() const {
 }
 
 DenseField effectiveAlbedo(const DenseMedium& medium, ExchangeRule rule) {
-    const DenseField escape = escapes(medium, rule);
-    DenseField gain(escape.size());
-    for (std::size_t i = 0; i < gain.size(); ++i)
-        gain[i] = float(double(medium.albedo[i]) * leavingPart(double(medium.albedo[i]), double(escape[i])));
-    return gain;
+    return gains(medium, escapes(medium, rule));
 }
 
 double crossSection(const DenseBox& box, const Vec3& direction) {
@@ -283,7 +274,7 @@ DenseField directDeposit(const DenseMedium& medium, const IlluminationSetup& set
 
 DenseField radiosity(const DenseMedium& medium, const IlluminationSetup& setup, const DenseField& deposit,
                      int injections) {
-    const DenseField escape = escapes(medium, setup.rule), gain = effectiveAlbedo(medium, setup.rule);
+    const DenseField escape = escapes(medium, setup.rule), gain = gains(medium, escape);
     const double volume = medium.box.voxelVolume(), edge = voxelEdge(medium.box);
     const bool printed = setup.rule == ExchangeRule::asPrinted;
     const double meanInverse = medium.escapeTable()->meanInverseLength();

@@ -41,8 +41,7 @@ class OfferAcross {
 
   private:
     void interpolate(const Arithmetic& arithmetic, const Between<Weight>& u, const Offer<Word>& own, std::size_t lane) {
-        offers[lane] = {arithmetic.mixParts(u, left_[lane].part, own.part),
-                        arithmetic.mix(u, left_[lane].given, own.given)};
+        offers[lane] = {arithmetic.mix(u, left_[lane].part, own.part), arithmetic.mix(u, left_[lane].given, own.given)};
     }
 
     StageShape shape_;

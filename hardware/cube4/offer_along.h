@@ -29,7 +29,7 @@ class OfferAlong {
         buffer_.exchange(beam, in, before_, shape_.offerWords, counters);
         const Between<Weight>& v = beam.slice->endingInRow(beam.row);
         for (std::size_t lane = 0; lane < offers.size(); ++lane)
-            offers[lane] = {arithmetic.mixParts(v, before_[lane].part, in[lane].part),
+            offers[lane] = {arithmetic.mix(v, before_[lane].part, in[lane].part),
                             arithmetic.mix(v, before_[lane].given, in[lane].given)};
     }
 

@@ -63,9 +63,9 @@ class MachineOf : public Reconstruction::Machine {
     }
 
     void load(const DenseField& initial, const DenseField& support) {
-        forEachVoxel([&](std::size_t i, Voxel<Word>& voxel) {
-            voxel.scalar = initial.empty() ? Word{} : toWord(clamped(double(initial[i])), valueUnit_);
-            voxel.gain = support.empty() || support[i] > 0 ? toWord(1, weightUnit_) : Word{};
+        memory_.forEachWithin(kPad, [&](std::size_t i, Voxel<Word>& voxel) {
+            voxel.scalar = initial.empty() ? Word{} : Arithmetic::word(clamped(double(initial[i])), valueUnit_);
+            voxel.gain = support.empty() || support[i] > 0 ? Arithmetic::word(1, weightUnit_) : Word{};
         });
     }
 
@@ -79,7 +79,7 @@ class MachineOf : public Reconstruction::Machine {
             const double measured = double(sampleOf(view.values, view.width, view.height, pixel));
             const double change = correctionOf(double(sum.value) * front.traversal.stepLength,
                                                double(sum.weight) * front.traversal.stepLength, measured);
-            ray = std::isnan(change) ? Ray<Word>{} : Ray<Word>{toCorrection(change), toWord(1, weightUnit_)};
+            ray = std::isnan(change) ? Ray<Word>{} : Ray<Word>{toCorrection(change), Arithmetic::word(1, weightUnit_)};
         });
         run(front, Pass::backproject, relaxation, corrections, trace);
         return finishedUpdate();
@@ -127,8 +127,9 @@ class MachineOf : public Reconstruction::Machine {
 
     DenseField volume() const override {
         DenseField field(box_.voxels());
-        const_cast<MachineOf*>(this)->forEachVoxel(
-            [&](std::size_t i, const Voxel<Word>& voxel) { field[i] = float(double(voxel.scalar) * valueUnit_); });
+        memory_.forEachWithin(kPad, [&](std::size_t i, const Voxel<Word>& voxel) {
+            field[i] = float(double(voxel.scalar) * valueUnit_);
+        });
         return field;
     }
 
@@ -185,7 +186,7 @@ class MachineOf : public Reconstruction::Machine {
         if (!(most > 0)) most = 1;
         RayPlane<Word> rays = sums;
         for (std::size_t i = 0; i < rays.rays.size(); ++i)
-            rays.rays[i] = {toCorrection(values[i] / most), toWord(weights[i] / most, weightUnit_)};
+            rays.rays[i] = {toCorrection(values[i] / most), Arithmetic::word(weights[i] / most, weightUnit_)};
         return rays;
     }
 
@@ -254,8 +255,8 @@ class MachineOf : public Reconstruction::Machine {
         } else {
             setup.relaxation = relaxationWord(relaxation);
             const double most = setup_.largestValue;
-            setup.bounds = {toWord(std::max(setup_.lower, -most), valueUnit_),
-                            toWord(std::min(setup_.upper, most), valueUnit_)};
+            setup.bounds = {Arithmetic::word(std::max(setup_.lower, -most), valueUnit_),
+                            Arithmetic::word(std::min(setup_.upper, most), valueUnit_)};
         }
         return setup;
     }
@@ -289,15 +290,6 @@ class MachineOf : public Reconstruction::Machine {
                                           v + shiftV.shift + shiftV.fraction, 0));
     }
 
-    template <class Visit>
-    void forEachVoxel(const Visit& visit) {
-        const Index3 size = box_.size();
-        std::size_t i = 0;
-        for (int z = 0; z < size.z; ++z)
-            for (int y = 0; y < size.y; ++y)
-                for (int x = 0; x < size.x; ++x) visit(i++, memory_.at(Index3(x, y, z) + Index3(kPad)));
-    }
-
     /// @param sums words of a voxel in which corrections are added up
     std::size_t bytesOfModule(std::size_t sums) const {
         const NumberFormat format = setup_.format.value_or(NumberFormat{});
@@ -326,15 +318,11 @@ class MachineOf : public Reconstruction::Machine {
     double leastLength() const { return kLeastLength * std::cbrt(box_.voxelVolume()); }
     double clamped(double value) const { return std::clamp(value, setup_.lower, setup_.upper); }
 
-    static Word toWord(double value, double unit) {
-        if constexpr (Arithmetic::kExact) return Word(value);
-        return Word(std::llround(value / unit));
-    }
-
     /// Saturates: a correction that is too large is made in several passes.
     Word toCorrection(double value) const {
         if constexpr (Arithmetic::kExact) return Word(value);
-        return toWord(std::clamp(value, -setup_.largestCorrection, setup_.largestCorrection), correctionUnit_);
+        return Arithmetic::word(std::clamp(value, -setup_.largestCorrection, setup_.largestCorrection),
+                                correctionUnit_);
     }
 
     DenseBox box_;

@@ -31,22 +31,23 @@ class Machine {
           memory_(volume.box.size() + Index3(2 * pad_), setup.pipelines) {
         if constexpr (!Arithmetic::kExact) {
             const NumberFormat& format = arithmetic_.format();
-            const auto unitOf = [](const DenseField& field, int bits) {
-                const float most = *std::max_element(field.begin(), field.end());
-                return most > 0 ? double(most) / (std::ldexp(1.0, bits) - 1) : 1.0;
+            const auto unitOf = [](double most, int bits) {
+                return most > 0 ? most / (std::ldexp(1.0, bits) - 1) : 1.0;
             };
-            scalarUnit_ = unitOf(volume.extinction, format.scalar);
-            for (const DenseField& field : volume.radiosity)
-                radianceUnit_ = std::max(radianceUnit_ == 1 ? 0.0 : radianceUnit_, unitOf(field, format.energy));
+            double brightest = 0;
+            for (const DenseField& field : volume.radiosity) brightest = std::max(brightest, largestOf(field));
+            scalarUnit_ = unitOf(largestOf(volume.extinction), format.scalar);
+            radianceUnit_ = unitOf(brightest, format.energy);
         }
-        forEachVoxel([&](std::size_t i, Voxel<Word>& voxel) {
-            voxel.scalar = toWord(double(volume.extinction[i]), scalarUnit_);
+        memory_.forEachWithin(pad_, [&](std::size_t i, Voxel<Word>& voxel) {
+            voxel.scalar = Arithmetic::word(double(volume.extinction[i]), scalarUnit_);
         });
     }
 
     void load(const DenseField& radiosity) {
-        forEachVoxel(
-            [&](std::size_t i, Voxel<Word>& voxel) { voxel.source = toWord(double(radiosity[i]), radianceUnit_); });
+        memory_.forEachWithin(pad_, [&](std::size_t i, Voxel<Word>& voxel) {
+            voxel.source = Arithmetic::word(double(radiosity[i]), radianceUnit_);
+        });
     }
 
     /// C and T of the base plane.
@@ -98,20 +99,6 @@ class Machine {
     }
 
   private:
-    template <class Visit>
-    void forEachVoxel(const Visit& visit) {
-        const Index3 size = volume_.box.size();
-        std::size_t i = 0;
-        for (int z = 0; z < size.z; ++z)
-            for (int y = 0; y < size.y; ++y)
-                for (int x = 0; x < size.x; ++x) visit(i++, memory_.at(Index3(x, y, z) + Index3(pad_)));
-    }
-
-    static Word toWord(double value, double unit) {
-        if constexpr (Arithmetic::kExact) return Word(value);
-        return Word(std::llround(value / unit));
-    }
-
     ShadeSetup<Word> shadeSetup(const Traversal& traversal) const {
         ShadeSetup<Word> setup;
         setup.depth = traversal.stepLength * scalarUnit_;

@@ -59,12 +59,6 @@ bool runGroups(const IlluminationRecord& record, int channel, double sourcePower
     return true;
 }
 
-double sumOf(const DenseField& field) {
-    double sum = 0;
-    for (const float value : field) sum += double(value);
-    return sum;
-}
-
 /// Differences, voxel by voxel.
 class Comparison {
   public:

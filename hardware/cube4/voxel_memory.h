@@ -44,6 +44,17 @@ class VoxelMemory {
     std::vector<Voxel<Word>>& all() { return voxels_; }
     const std::vector<Voxel<Word>>& all() const { return voxels_; }
 
+    /// Calls `visit(i, voxel)` for the voxels that are at least `pad` away from the memory's faces, x fastest; i counts
+    /// them.
+    template <class Visit>
+    void forEachWithin(int pad, const Visit& visit) {
+        walkWithin(*this, pad, visit);
+    }
+    template <class Visit>
+    void forEachWithin(int pad, const Visit& visit) const {
+        walkWithin(*this, pad, visit);
+    }
+
     /// That the fullest module holds: the others are as large.
     std::size_t voxelsPerModule() const { return fullest_; }
 
@@ -66,6 +77,14 @@ class VoxelMemory {
     void beginCycle() { ++cycle_; }
 
   private:
+    template <class Memory, class Visit>
+    static void walkWithin(Memory& memory, int pad, const Visit& visit) {
+        std::size_t i = 0;
+        for (int z = pad; z < memory.size_.z - pad; ++z)
+            for (int y = pad; y < memory.size_.y - pad; ++y)
+                for (int x = pad; x < memory.size_.x - pad; ++x) visit(i++, memory.at({x, y, z}));
+    }
+
     std::size_t indexOf(const Index3& voxel) const {
         return (std::size_t(voxel.z) * std::size_t(size_.y) + std::size_t(voxel.y)) * std::size_t(size_.x) +
                std::size_t(voxel.x);

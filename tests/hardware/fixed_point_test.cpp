@@ -38,12 +38,6 @@ DenseMedium randomMedium(float albedo) {
     return medium;
 }
 
-double sumOf(const DenseField& field) {
-    double sum = 0;
-    for (const float value : field) sum += double(value);
-    return sum;
-}
-
 /// RMS of the deposit in a format, relative to floats.
 double rmsOf(int bits, Rounding rounding) {
     const DenseMedium medium = randomMedium(0.9f);

@@ -22,10 +22,6 @@ class TracedArithmetic {
         note();
         return exact_.mix(weights, low, high);
     }
-    Word mixParts(const cube4::Between<Weight>& weights, Word low, Word high) const {
-        note();
-        return exact_.mixParts(weights, low, high);
-    }
     Word partOf(Word power, Word part) const {
         note();
         return exact_.partOf(power, part);
