@@ -2,6 +2,7 @@
 
 #include "cube4/arithmetic.h"
 #include "cube4/cone_warp.h"
+#include "cube4/reconstruction_units.h"
 #include "cube4/region_bound.h"
 
 #include "raysweep/core/error.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 namespace raysweep::cube4 {
@@ -48,24 +48,16 @@ class MachineOf : public Reconstruction::Machine {
           origin_(origin),
           setup_(setup),
           arithmetic_(std::move(arithmetic)),
+          units_(arithmetic_, setup_),
           memoryBox_{box, origin, kPad},
           memory_(memoryBox_.size(), setup.pipelines) {
-        if constexpr (!Arithmetic::kExact) {
-            const NumberFormat& format = arithmetic_.format();
-            const int sign = setup.lower < 0 ? 1 : 0;
-            valueUnit_ = setup.largestValue / (std::ldexp(1.0, format.scalar - sign) - 1);
-            correctionUnit_ = setup.largestCorrection / (std::ldexp(1.0, format.energy - 1) - 1);
-            weightUnit_ = std::ldexp(1.0, -format.weight);
-            format.requireSumsHold(setup.largestSums.value / valueUnit_, "sums of voxels along a ray");
-            format.requireSumsHold(setup.largestSums.weight / weightUnit_, "sums of weights along a ray");
-        }
         bytesPerModule = bytesOfModule(0);
     }
 
     void load(const DenseField& initial, const DenseField& support) {
         memory_.forEachWithin(kPad, [&](std::size_t i, Voxel<Word>& voxel) {
-            voxel.scalar = initial.empty() ? Word{} : Arithmetic::word(clamped(double(initial[i])), valueUnit_);
-            voxel.gain = support.empty() || support[i] > 0 ? Arithmetic::word(1, weightUnit_) : Word{};
+            voxel.scalar = initial.empty() ? Word{} : Arithmetic::word(clamped(double(initial[i])), units_.value);
+            voxel.gain = support.empty() || support[i] > 0 ? Arithmetic::word(1, units_.weight) : Word{};
         });
     }
 
@@ -79,7 +71,8 @@ class MachineOf : public Reconstruction::Machine {
             const double measured = double(sampleOf(view.values, view.width, view.height, pixel));
             const double change = correctionOf(double(sum.value) * front.traversal.stepLength,
                                                double(sum.weight) * front.traversal.stepLength, measured);
-            ray = std::isnan(change) ? Ray<Word>{} : Ray<Word>{toCorrection(change), Arithmetic::word(1, weightUnit_)};
+            ray = std::isnan(change) ? Ray<Word>{}
+                                     : Ray<Word>{units_.correctionWord(change), Arithmetic::word(1, units_.weight)};
         });
         run(front, Pass::backproject, relaxation, corrections, trace);
         return finishedUpdate();
@@ -100,7 +93,8 @@ class MachineOf : public Reconstruction::Machine {
         for (const PerspectiveFront& front : conesOf(view.rays)) {
             const RayPlane<Word> sums = projected(front, nullptr);
             forEachPixel(view.rays, memoryBox_, front, [&](std::size_t pixel, const Imath::V2d& ray, double length) {
-                picture[pixel] = float(LatticePoint(sums, ray).interpolated(sums.rays, valueOf) * valueUnit_ * length);
+                picture[pixel] =
+                    float(LatticePoint(sums, ray).interpolated(sums.rays, valueOf) * units_.value * length);
             });
         }
         return picture;
@@ -112,7 +106,7 @@ class MachineOf : public Reconstruction::Machine {
             run(front, Pass::project, 0, RayPlane<Word>(front.traversal, front.slices), nullptr);
         std::vector<float> lattice;
         for (const Ray<Word>& sum : sums.rays)
-            lattice.push_back(float(double(sum.value) * valueUnit_ * front.traversal.stepLength));
+            lattice.push_back(float(double(sum.value) * units_.value * front.traversal.stepLength));
         std::vector<float> picture;
         const LatticeShift shiftU = latticeShift(front.traversal, 0, 0), shiftV = latticeShift(front.traversal, 1, 0);
         for (int row = 0; row < view.height; ++row)
@@ -128,7 +122,7 @@ class MachineOf : public Reconstruction::Machine {
     DenseField volume() const override {
         DenseField field(box_.voxels());
         memory_.forEachWithin(kPad, [&](std::size_t i, const Voxel<Word>& voxel) {
-            field[i] = float(double(voxel.scalar) * valueUnit_);
+            field[i] = float(double(voxel.scalar) * units_.value);
         });
         return field;
     }
@@ -186,7 +180,8 @@ class MachineOf : public Reconstruction::Machine {
         if (!(most > 0)) most = 1;
         RayPlane<Word> rays = sums;
         for (std::size_t i = 0; i < rays.rays.size(); ++i)
-            rays.rays[i] = {toCorrection(values[i] / most), Arithmetic::word(weights[i] / most, weightUnit_)};
+            rays.rays[i] = {units_.correctionWord(values[i] / most),
+                            Arithmetic::word(weights[i] / most, units_.weight)};
         return rays;
     }
 
@@ -216,14 +211,14 @@ class MachineOf : public Reconstruction::Machine {
 
     void noteLargest(const RayPlane<Word>& sums) {
         for (const Ray<Word>& sum : sums.rays) {
-            largestSums.value = std::max(largestSums.value, std::abs(double(sum.value) * valueUnit_));
-            largestSums.weight = std::max(largestSums.weight, double(sum.weight) * weightUnit_);
+            largestSums.value = std::max(largestSums.value, std::abs(double(sum.value) * units_.value));
+            largestSums.weight = std::max(largestSums.weight, double(sum.weight) * units_.weight);
         }
     }
 
     /// (p - A x) / A 1 of a ray of these sums of words; NaN if it does not count.
     double correctionOf(double value, double weight, double measured) {
-        const double length = weight * weightUnit_, difference = measured - value * valueUnit_;
+        const double length = weight * units_.weight, difference = measured - value * units_.value;
         if (!(length > leastLength()) || std::isnan(measured)) return std::nan("");
         if (measured >= setup_.saturation && difference <= 0) return std::nan("");
         squares_ += difference * difference;
@@ -235,7 +230,7 @@ class MachineOf : public Reconstruction::Machine {
     /// RMS of the update's differences.
     double finishedUpdate() {
         for (const Voxel<Word>& voxel : memory_.all())
-            largestValue = std::max(largestValue, std::abs(double(voxel.scalar) * valueUnit_));
+            largestValue = std::max(largestValue, std::abs(double(voxel.scalar) * units_.value));
         const double rms = used_ > 0 ? std::sqrt(squares_ / double(used_)) : std::nan("");
         squares_ = 0;
         used_ = 0;
@@ -253,10 +248,10 @@ class MachineOf : public Reconstruction::Machine {
             setup.relaxation = Word(relaxation);
             setup.bounds = {Word(setup_.lower), Word(setup_.upper)};
         } else {
-            setup.relaxation = relaxationWord(relaxation);
+            setup.relaxation = units_.relaxationWord(relaxation);
             const double most = setup_.largestValue;
-            setup.bounds = {Arithmetic::word(std::max(setup_.lower, -most), valueUnit_),
-                            Arithmetic::word(std::min(setup_.upper, most), valueUnit_)};
+            setup.bounds = {Arithmetic::word(std::max(setup_.lower, -most), units_.value),
+                            Arithmetic::word(std::min(setup_.upper, most), units_.value)};
         }
         return setup;
     }
@@ -298,32 +293,8 @@ class MachineOf : public Reconstruction::Machine {
         return (memory_.voxelsPerModule() * bits + 7) / 8;
     }
 
-    /// @throw InvalidArgument if its product with a correction needs more than 63 bits
-    Word relaxationWord(double relaxation) const {
-        if constexpr (Arithmetic::kExact) {
-            return Word(relaxation);
-        } else {
-            const NumberFormat& format = arithmetic_.format();
-            const double word = std::ldexp(relaxation * correctionUnit_ / valueUnit_, arithmetic_.relaxationBits());
-            constexpr int kBits = 62;
-            if (std::abs(word) >= std::ldexp(1.0, kBits - std::max(format.energy, format.weight)))
-                throw InvalidArgument("corrections of up to " + std::to_string(setup_.largestCorrection) +
-                                      " are too many times the voxels' largest value, " +
-                                      std::to_string(setup_.largestValue) + ", for energy words of " +
-                                      std::to_string(format.energy) + " bits: their products do not fit");
-            return Word(std::llround(word));
-        }
-    }
-
     double leastLength() const { return kLeastLength * std::cbrt(box_.voxelVolume()); }
     double clamped(double value) const { return std::clamp(value, setup_.lower, setup_.upper); }
-
-    /// Saturates: a correction that is too large is made in several passes.
-    Word toCorrection(double value) const {
-        if constexpr (Arithmetic::kExact) return Word(value);
-        return Arithmetic::word(std::clamp(value, -setup_.largestCorrection, setup_.largestCorrection),
-                                correctionUnit_);
-    }
 
     DenseBox box_;
     Vec3 origin_;
@@ -331,7 +302,7 @@ class MachineOf : public Reconstruction::Machine {
     Arithmetic arithmetic_;
     double squares_ = 0;    ///< of the differences of an update,
     std::size_t used_ = 0;  ///< and their number
-    double valueUnit_ = 1, correctionUnit_ = 1, weightUnit_ = 1;
+    ReconstructionUnits<Arithmetic> units_;
     MemoryBox memoryBox_;
     VoxelMemory<Word> memory_;
 };
