@@ -6,6 +6,7 @@
 #include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/image/matte_picture.h"
 
@@ -200,11 +201,7 @@ Photographs readPhotographs(const Poses& poses, const PhotographOptions& options
     if (poses.views.empty()) throw InvalidArgument("there are no views to read photographs of");
     requireRoom(poses, options.reduction);
     for (const Pose& pose : poses.views) filesOf(pose, options);  // what is missing is found before the first is read
-    if (!options.matteFolder.empty()) {
-        std::error_code error;
-        fs::create_directories(options.matteFolder, error);
-        if (error) throw IoError("cannot make the folder '" + options.matteFolder + "': " + error.message());
-    }
+    if (!options.matteFolder.empty()) makeOutputFolder(options.matteFolder);
     Photographs photographs;
     photographs.views.resize(poses.views.size());
     photographs.reports.resize(poses.views.size());

@@ -10,9 +10,21 @@ namespace raysweep {
 
 using nlohmann::json;
 
+namespace {
+
+/// The library's message without its own name and number of the error.
+std::string withoutPrefix(const std::string& message) {
+    const std::size_t end = message.find("] ");
+    return end == std::string::npos ? message : message.substr(end + 2);
+}
+
+}  // namespace
+
 json parseJson(const std::string& text) {
     std::vector<std::set<std::string>> open;
-    const auto once = [&open](int, json::parse_event_t event, json& value) {
+    const auto once = [&open](int depth, json::parse_event_t event, json& value) {
+        constexpr int kDeepest = 64;  // what the library does with values, such as to show them, recurses
+        if (depth > kDeepest) throw IoError("it is nested more than " + std::to_string(kDeepest) + " deep");
         if (event == json::parse_event_t::object_start) open.emplace_back();
         if (event == json::parse_event_t::object_end) open.pop_back();
         if (event == json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
@@ -22,7 +34,7 @@ json parseJson(const std::string& text) {
     try {
         return json::parse(text, once);
     } catch (const json::exception& error) {
-        throw IoError("it is not valid JSON: " + std::string(error.what()));
+        throw IoError("it is not valid JSON: " + withoutPrefix(error.what()));
     }
 }
 

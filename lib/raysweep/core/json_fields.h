@@ -10,7 +10,8 @@
 
 namespace raysweep {
 
-/// @throw IoError if `text` is not valid JSON, or an object has one key twice (the JSON library would keep the last).
+/// @throw IoError if `text` is not valid JSON, is nested very deep, or an object has one key twice (the JSON library
+/// would keep the last).
 nlohmann::json parseJson(const std::string& text);
 
 /// The fields of one JSON object, which must outlive this. All but `has` throw IoError if the field is missing or of

@@ -1,9 +1,12 @@
 #include "raysweep/core/output_folder.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/run_outputs.h"
+#include "raysweep/core/temporaries.h"
 
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 
 namespace fs = std::filesystem;
@@ -36,6 +39,15 @@ void requireOurs(const std::string& target, const std::function<bool(const std::
     if (failed) fail(target, failed.message());
 }
 
+/// Takes the place of a folder that is there.
+void moveFolder(const std::string& temporary, const std::string& target) {
+    std::error_code ignored;
+    const bool replaces = fs::exists(target, ignored);
+    if (const int why = replaces ? exchangeTemporary(temporary, target) : moveTemporary(temporary, target))
+        fail(target, std::strerror(why));
+    if (replaces) removeTemporary(temporary);
+}
+
 }  // namespace
 
 OutputFolder::OutputFolder(const std::string& target, const std::function<bool(const std::string&)>& isOurs) {
@@ -47,28 +59,20 @@ OutputFolder::OutputFolder(const std::string& target, const std::function<bool(c
     if (::access(around.c_str(), W_OK | X_OK) != 0)
         fail(target, "no permission to write in the folder '" + around.string() + "'");
     target_ = path.string();
-    temporary_ = (around / ("." + path.filename().string() + ".part" + std::to_string(::getpid()))).string();
-    if (!fs::create_directory(temporary_, failed)) fail(target, failed ? failed.message() : "it is being written");
+    try {
+        temporary_ = makeTemporaryFolder(around.string());
+    } catch (const IoError& e) {
+        fail(target, e.what());
+    }
 }
 
 OutputFolder::~OutputFolder() {
-    std::error_code ignored;
-    if (!committed_) fs::remove_all(temporary_, ignored);
+    if (!committed_) removeTemporary(temporary_);
 }
 
 void OutputFolder::commit() {
-    std::error_code failed, ignored;
-    const std::string old = temporary_ + ".old";
-    const bool replaces = fs::exists(target_, ignored);
-    if (replaces) fs::rename(target_, old, failed);
-    if (failed) fail(target_, failed.message());
-    fs::rename(temporary_, target_, failed);
-    if (failed) {
-        if (replaces) fs::rename(old, target_, ignored);
-        fail(target_, failed.message());
-    }
+    moveWithRun([temporary = temporary_, target = target_] { moveFolder(temporary, target); }, temporary_);
     committed_ = true;
-    if (replaces) fs::remove_all(old, ignored);
 }
 
 }  // namespace raysweep

@@ -6,9 +6,10 @@
 
 namespace raysweep {
 
-/// A folder being filled beside its target under a temporary name. `commit` moves it into place; without it the
-/// temporary is removed with all that is in it. A folder that stands under the target's name is replaced as a whole,
-/// and until then stays as it is; so it must hold nothing but files that `isOurs` knows by their names.
+/// A folder being filled beside its target under a temporary name. `commit` moves it into place (see RunOutputs: when
+/// the run has succeeded); without it the temporary is removed with all that is in it. A folder that stands under the
+/// target's name is replaced as a whole, and until then stays as it is; so it must hold nothing but files that `isOurs`
+/// knows by their names.
 class OutputFolder {
   public:
     /// @throw IoError if the folder around the target does not exist or cannot be written to, or if the target is a
@@ -21,7 +22,7 @@ class OutputFolder {
     /// Where to write.
     const std::string& temporary() const { return temporary_; }
 
-    /// @throw IoError if it cannot be moved; then the target is as it was.
+    /// What was there is as it was if this fails. @throw IoError
     void commit();
 
   private:

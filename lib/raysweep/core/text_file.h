@@ -7,7 +7,8 @@ namespace raysweep {
 class OutputFile;
 
 /// The bytes of a file. @param wanted what should have been given, for messages: "a geometry file (.json, or RTK's
-/// .xml)". @throw IoError, which does not name the file, if there is none, it is a folder, or reading fails
+/// .xml)". @throw IoError, which does not name the file, if there is none, it is a folder, reading fails,
+/// or it is a device or pipe that gives more than 64 MiB, which may have no end
 std::string bytesOfFile(const std::string& path, const std::string& wanted);
 
 /// Writes a file that appears whole or not at all. @throw IoError

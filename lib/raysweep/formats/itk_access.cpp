@@ -1,7 +1,11 @@
 // What itk_volume.h promises, by the module that holds ITK.
 #include "raysweep/core/error.h"
 #include "raysweep/core/module.h"
+#include "raysweep/core/output_file.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/formats/itk_formats.h"
+
+#include <cmath>
 
 namespace raysweep {
 namespace {
@@ -32,17 +36,29 @@ bool hasItk() {
 }
 
 StoredVolume readItkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress) {
+    noteInput(path);
     return formatsFor(path).volume(path, format, progress);
 }
 
 StoredVolume readDicomSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
                              const ProgressCallback& progress) {
+    for (const std::string& file : files) noteInput(file);
     return formatsFor(files.front()).series(files, series, positions, progress);
 }
 
 void writeMetaImage(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
                     const Vec3& spacing) {
-    formatsFor(path, "write").write(path, dims, samples, origin, spacing);
+    const ItkFormats& formats = formatsFor(path, "write");
+    for (int axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(origin[axis]) || !std::isfinite(spacing[axis]) || spacing[axis] == 0)
+            throw InvalidArgument("cannot write '" + path + "': origin and spacing must be finite, and no spacing 0");
+    OutputFile file(path);
+    try {
+        formats.write(file.temporary(), dims, samples, origin, spacing);
+    } catch (const IoError& e) {
+        throw IoError("cannot write '" + path + "': " + e.what());
+    }
+    file.commit();
 }
 
 }  // namespace raysweep

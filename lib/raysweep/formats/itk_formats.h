@@ -7,7 +7,7 @@
 namespace raysweep {
 
 /// To be counted up whenever something that passes changes.
-constexpr int kItkFormatsVersion = 2;
+constexpr int kItkFormatsVersion = 3;
 struct ItkFormats {
     int version;
     StoredVolume (*volume)(const std::string& path, ItkFormat format, const ProgressCallback& progress);
@@ -22,6 +22,7 @@ struct ItkFormats {
 StoredVolume itkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress);
 StoredVolume itkSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
                        const ProgressCallback& progress);
+/// To a file that is there and empty. @throw IoError, which does not name it
 void itkWrite(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
               const Vec3& spacing);
 

@@ -1,7 +1,6 @@
 // ITK's image readers are used without its image classes: a reader fills the buffer that becomes the grid, so nothing
 // is held twice, and none of ITK's templates is compiled.
 #include "raysweep/core/error.h"
-#include "raysweep/core/output_file.h"
 #include "raysweep/formats/itk_formats.h"
 #include "raysweep/formats/itk_read.h"
 #include "raysweep/formats/meta_image_check.h"
@@ -79,12 +78,9 @@ StoredVolume itkVolume(const std::string& path, ItkFormat format, const Progress
 void itkWrite(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
               const Vec3& spacing) {
     const Silence silence;
-    OutputFile file(path);
     const auto io = itk::MetaImageIO::New();
     io->SetNumberOfDimensions(3);
     for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(origin[axis]) || !std::isfinite(spacing[axis]) || spacing[axis] == 0)
-            throw InvalidArgument("cannot write '" + path + "': origin and spacing must be finite, and no spacing 0");
         const auto a = unsigned(axis);
         io->SetDimensions(a, std::size_t(dims[axis]));
         io->SetOrigin(a, origin[axis]);
@@ -100,18 +96,17 @@ void itkWrite(const std::string& path, const Index3& dims, const float* samples,
     io->SetNumberOfComponents(1);
     io->SetComponentType(itk::IOComponentEnum::FLOAT);
     io->SetUseCompression(false);
-    io->SetFileName(file.temporary());
+    io->SetFileName(path);
     try {
         io->Write(samples);
     } catch (const itk::ExceptionObject& error) {
-        throw IoError("cannot write '" + path + "': " + reasonOf(error));
+        throw IoError(reasonOf(error));
     }
     // A full disk goes unnoticed by MetaImage's writer.
     const auto least = std::uintmax_t(dims.x) * std::uintmax_t(dims.y) * std::uintmax_t(dims.z) * sizeof(float);
     std::error_code failed;
-    const auto written = std::filesystem::file_size(file.temporary(), failed);
-    if (failed || written < least) throw IoError("cannot write '" + path + "': is the disk full?");
-    file.commit();
+    const auto written = std::filesystem::file_size(path, failed);
+    if (failed || written < least) throw IoError("is the disk full?");
 }
 
 }  // namespace raysweep

@@ -4,6 +4,7 @@
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/module.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/image/exr.h"
 #include "raysweep/image/jpeg_check.h"
 #include "raysweep/image/picture_formats.h"
@@ -88,6 +89,9 @@ std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = 
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) failToRead(path, "there is no such file");
     if (std::filesystem::is_directory(path, ignored)) failToRead(path, "it is a folder; give a picture file");
+    if (!std::filesystem::is_regular_file(path, ignored))
+        failToRead(path, "it is not a regular file, and a picture cannot be read from a stream; save it first");
+    noteInput(path);
     if (isVolume(path)) failToRead(path, std::string("it is an OpenVDB volume") + kGivePicture);
     if (isExr(path))
         if (auto file = openExr(path)) return file;
