@@ -1,14 +1,12 @@
 #include "raysweep/volume/transfer_function.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/json_fields.h"
 #include "raysweep/core/require.h"
-
-#include <nlohmann/json.hpp>
+#include "raysweep/core/text_file.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 
 namespace raysweep {
@@ -77,12 +75,6 @@ TransferFunction functionFrom(const json& document) {
     return function;
 }
 
-/// The library's message without its own name and number of the error.
-std::string withoutPrefix(const std::string& message) {
-    const std::size_t end = message.find("] ");
-    return end == std::string::npos ? message : message.substr(end + 2);
-}
-
 }  // namespace
 
 void TransferFunction::validate() const {
@@ -107,19 +99,11 @@ TransferFunction rampFunction(double low, double high, double opacity) {
 }
 
 TransferFunction readTransferFunction(const std::string& path) {
-    const auto fail = [&](const std::string& why) { throw IoError("cannot read '" + path + "': " + why); };
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) fail("it is a folder; give a JSON file");
-    std::ifstream file(path);
-    if (!file) fail("there is no such file, or no permission to read it");
     try {
-        return functionFrom(json::parse(file));
-    } catch (const json::exception& e) {
-        fail("it is not JSON: " + withoutPrefix(e.what()));
-    } catch (const InvalidArgument& e) {
-        fail(e.what());
+        return functionFrom(parseJson(bytesOfFile(path, "a JSON file")));
+    } catch (const Error& e) {
+        throw IoError("cannot read '" + path + "': " + e.what());
     }
-    return {};
 }
 
 std::string toJson(const TransferFunction& function) {

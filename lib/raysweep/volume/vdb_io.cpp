@@ -2,8 +2,10 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/volume/input_file.h"
 #include "raysweep/volume/leaf_writer.h"
+#include "raysweep/volume/vdb_lengths.h"
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -23,23 +25,45 @@ namespace {
 using openvdb::GridBase;
 using openvdb::io::GridDescriptor;
 
+const char* const kEndsInside = "the file ends inside it; it is truncated or damaged, write it again";
+
+/// What is wrong with one grid, as against no memory.
+bool isOfGrid(const std::exception& e) {
+    return dynamic_cast<const IoError*>(&e) || dynamic_cast<const std::ios_base::failure*>(&e);
+}
+
 /// io::File neither notices a file that ends too early nor a disk that is full, because the streams it opens report
 /// no failure. Its base class does the work and takes any stream, so here it gets streams that throw.
 class Archive : public openvdb::io::Archive {
   public:
-    void read(std::istream& in, VdbFile& file);
+    /// @param unreadable takes grids that cannot be read, which are passed over; null: they are errors
+    void read(std::istream& in, std::uintmax_t size, VdbFile& file, std::vector<UnreadableGrid>* unreadable);
     void save(std::ostream& out, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) const;
 
   private:
-    GridBase::Ptr readNext(std::istream& in, GridDescriptor& descriptor, int number, int count) const;
+    GridBase::Ptr readNext(std::istream& in, GridDescriptor& descriptor) const;
     /// Adds to the metadata of `grid`.
     void writeNext(std::ostream& out, GridDescriptor& descriptor, GridBase& grid) const;
 };
 
-void Archive::read(std::istream& in, VdbFile& file) {
+/// OpenVDB's own arithmetic on coordinates overflows at the ends of their range.
+void requireNear(const GridBase& grid) {
+    openvdb::CoordBBox box, leaves;
+    grid.baseTree().evalActiveVoxelBoundingBox(box);
+    if (grid.baseTree().evalLeafBoundingBox(leaves)) box.expand(leaves);
+    for (int axis = 0; axis < 3 && !box.empty(); ++axis)
+        for (const openvdb::Coord& corner : {box.min(), box.max()})
+            if (corner[axis] < -kFarthestVoxel || corner[axis] > kFarthestVoxel)
+                throw IoError("it has voxels at " + std::to_string(corner[axis]) + " along " + "xyz"[axis] +
+                              ", farther from 0 than " + std::to_string(kFarthestVoxel) +
+                              "; move them near 0 and place the grid by its transform");
+}
+
+void Archive::read(std::istream& in, std::uintmax_t size, VdbFile& file, std::vector<UnreadableGrid>* unreadable) {
     openvdb::io::StreamMetadata::Ptr streamMetadata(new openvdb::io::StreamMetadata);
     streamMetadata->setSeekable(true);
     openvdb::io::setStreamMetadataPtr(in, streamMetadata, /*transfer=*/false);
+    requireHeaderLengths(in, size);
     readHeader(in);
     setFormatVersion(in);
     setLibraryVersion(in);
@@ -50,9 +74,28 @@ void Archive::read(std::istream& in, VdbFile& file) {
     std::vector<GridDescriptor> descriptors;  // grows as it is read: the count of a damaged file may be anything
     const int count = readGridCount(in);
     for (int i = 0; i < count; ++i) {
-        descriptors.emplace_back();
-        file.grids.push_back(readNext(in, descriptors.back(), i + 1, count));
-        named[descriptors.back().uniqueName()] = file.grids.back();
+        GridHead head;
+        GridDescriptor descriptor;
+        const std::streamoff start = in.tellg();
+        try {
+            readGridHead(in, size, openvdb::io::getFormatVersion(in), head);
+            const GridBase::Ptr grid = readNext(in, descriptor);
+            named[descriptor.uniqueName()] = grid;
+            descriptors.push_back(descriptor);
+            file.grids.push_back(grid);
+        } catch (const std::exception& e) {
+            if (!isOfGrid(e)) throw;
+            const std::string why = dynamic_cast<const std::ios_base::failure*>(&e) ? kEndsInside : e.what();
+            const std::string which = "grid " + std::to_string(i + 1) + " of " + std::to_string(count) +
+                                      (head.name.empty() ? "" : " ('" + head.name + "')");
+            if (!unreadable) throw IoError(which + ": " + why);
+            const bool lost = head.end <= start || std::uintmax_t(head.end) > size;
+            unreadable->push_back({head.name, head.type, which + ": " + why});
+            in.clear();
+            if (lost && i + 1 < count) unreadable->back().error += "; where those after it begin is not known";
+            if (lost) break;
+            in.seekg(head.end);
+        }
     }
     for (const GridDescriptor& descriptor : descriptors)
         if (descriptor.isInstance()) connectInstance(descriptor, named);
@@ -125,23 +168,21 @@ void Archive::writeNext(std::ostream& out, GridDescriptor& descriptor, GridBase&
     openvdb::io::clearStreamMetadataPtr(out);
 }
 
-GridBase::Ptr Archive::readNext(std::istream& in, GridDescriptor& descriptor, int number, int count) const {
+GridBase::Ptr Archive::readNext(std::istream& in, GridDescriptor& descriptor) const {
     GridBase::Ptr grid;
     try {
         grid = descriptor.read(in);
         readGrid(grid, descriptor, in);
-        return grid;
     } catch (const std::exception& e) {
         // A tree that was read half must not be destroyed: the slots of children that were not reached yet hold
         // values that OpenVDB's destructor would take for pointers. Keeping it for good is the lesser evil.
         if (grid) static_cast<void>(new GridBase::Ptr(grid));
         if (dynamic_cast<const std::bad_alloc*>(&e)) throw;
-        const std::string which = "grid " + std::to_string(number) + " of " + std::to_string(count) +
-                                  (descriptor.gridName().empty() ? "" : " ('" + descriptor.gridName() + "')");
-        throw IoError(which + ": " +
-                      (in.eof() ? "the file ends inside it; it is truncated or damaged, write it again"
-                                : std::string(e.what()) + "; the file is damaged, or too new for this build"));
+        throw IoError(in.eof() ? kEndsInside
+                               : std::string(e.what()) + "; the file is damaged, or too new for this build");
     }
+    requireNear(*grid);
+    return grid;
 }
 
 [[noreturn]] void failRead(const std::string& path, const std::string& why) {
@@ -164,24 +205,24 @@ void requireVdb(std::istream& in, const std::string& path) {
     in.seekg(0);
 }
 
-}  // namespace
-
-VdbFile readVdb(const std::string& path) {
+VdbFile read(const std::string& path, std::vector<UnreadableGrid>* unreadable) {
     initializeGrids();
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored)) failRead(path, "it is a folder; give a .vdb file");
     if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
         failRead(path, "it is not a regular file, and a .vdb cannot be read from a stream; save it first");
     errno = 0;
-    InputFile buffer(path, std::filesystem::file_size(path, ignored));
+    const std::uintmax_t size = std::filesystem::file_size(path, ignored);
+    InputFile buffer(path, size);
     if (!buffer.isOpen()) failRead(path, systemError());
+    noteInput(path);
     std::istream in(&buffer);
     requireVdb(in, path);
     in.exceptions(std::ios::failbit | std::ios::badbit);
     VdbFile file;
     file.path = path;
     try {
-        Archive().read(in, file);
+        Archive().read(in, size, file, unreadable);
     } catch (const IoError& e) {
         failRead(path, e.what());
     } catch (const std::ios_base::failure&) {
@@ -192,6 +233,18 @@ VdbFile readVdb(const std::string& path) {
         failRead(path, e.what());
     }
     return file;
+}
+
+}  // namespace
+
+VdbFile readVdb(const std::string& path) {
+    return read(path, nullptr);
+}
+
+VdbSurvey surveyVdb(const std::string& path) {
+    VdbSurvey survey;
+    survey.file = read(path, &survey.unreadable);
+    return survey;
 }
 
 void writeVdb(OutputFile& file, const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {

@@ -45,6 +45,9 @@ float zeroUnlessUsable(float v) {
 float zeroUnlessFinite(float v) {
     return isFinite(v) ? v : 0.0f;
 }
+float clampedToFraction(float v) {
+    return v > 0.0f ? std::min(v, 1.0f) : 0.0f;  // NaN too becomes 0
+}
 float clampedToHalf(float v) {
     return fitsHalf(v) ? v : std::copysign(kLargestHalf, v);
 }
@@ -109,7 +112,8 @@ void requireUsable(const GridT& grid, const std::string& what) {
 
 template <class GridT>
 void requireFractions(const GridT& grid, const std::string& what) {
-    requireAll(grid, isFraction, what, {"outside [0,1]", "an albedo is a fraction: scale or clamp the grid first"});
+    requireAll(grid, isFraction, what,
+               {"outside [0,1]", "an albedo is a fraction: `repair` clamps it, `albedoScale` scales it"});
 }
 
 template <class GridT>
@@ -145,6 +149,20 @@ void checkAlbedo(const openvdb::GridBase& grid, const std::string& what) {
     if (const auto* scalar = dynamic_cast<const FloatGrid*>(&grid)) return requireFractions(*scalar, what);
     if (const auto* color = dynamic_cast<const Vec3SGrid*>(&grid)) return requireFractions(*color, what);
     throw InvalidArgument(what + ": the grid has the type " + grid.valueType() + ", but float or vec3s is needed");
+}
+
+std::size_t clampAlbedo(FloatGrid& grid) {
+    return changeBad(grid, isFraction, clampedToFraction);
+}
+std::size_t clampAlbedo(Vec3SGrid& grid) {
+    return changeBad(grid, isFraction, clampedToFraction);
+}
+
+void requireFiniteResult(const openvdb::GridBase& grid, const std::string& cause) {
+    const std::string what = "the result's grid '" + grid.getName() + "'";
+    const Refusal refusal{"infinite or not a number", cause.c_str()};
+    if (const auto* scalar = dynamic_cast<const FloatGrid*>(&grid)) requireAll(*scalar, isFinite, what, refusal);
+    if (const auto* color = dynamic_cast<const Vec3SGrid*>(&grid)) requireAll(*color, isFinite, what, refusal);
 }
 
 std::size_t clampForHalf(FloatGrid& grid) {

@@ -31,6 +31,14 @@ std::size_t repairNotFinite(openvdb::FloatGrid& grid);
 /// @throw InvalidArgument as checkVoxels does, and if the grid has another type.
 void checkAlbedo(const openvdb::GridBase& grid, const std::string& what = "albedo");
 
+/// Brings active values into [0,1]; NaN becomes 0. @return number of voxels changed; a tile counts as its voxels.
+std::size_t clampAlbedo(openvdb::FloatGrid& grid);
+std::size_t clampAlbedo(openvdb::Vec3SGrid& grid);
+
+/// Checks a result before it is written. @param cause what can have made values NaN or infinite, for the message
+/// @throw InvalidArgument if an active value of a FloatGrid or Vec3SGrid is; other grids are passed over
+void requireFiniteResult(const openvdb::GridBase& grid, const std::string& cause);
+
 /// If the grid is to be saved as half (set that first), clamps active values to the largest half, since larger ones
 /// would be stored as infinity and shown black by other programs. @return number of voxels changed.
 std::size_t clampForHalf(openvdb::FloatGrid& grid);

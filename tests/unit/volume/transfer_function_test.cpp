@@ -116,9 +116,9 @@ TEST(TransferFunction, FilesWithErrorsAreRefusedWithFilePointAndBound) {
     const std::string good = R"({"value": 0, "opacity": 0.5},)";
     EXPECT_THROW(readTransferFunction("missing.json"), IoError);
     EXPECT_THROW(readTransferFunction("."), IoError);
-    expectComplaint("", "it is not JSON");
-    expectComplaint("[{\"value\": 1,\n \"opacity\" 0.5}]", "it is not JSON: parse error at line 2");
-    expectComplaint(R"([{"value": 1e999, "opacity": 0.5}])", "it is not JSON");
+    expectComplaint("", "it is not valid JSON");
+    expectComplaint("[{\"value\": 1,\n \"opacity\" 0.5}]", "it is not valid JSON: parse error at line 2");
+    expectComplaint(R"([{"value": 1e999, "opacity": 0.5}])", "it is not valid JSON");
     expectComplaint("{}", "a list of points is needed");
     expectComplaint("[]", "at least one point");
     expectComplaint("[" + good + "3]", "point 2: 3 is no object");

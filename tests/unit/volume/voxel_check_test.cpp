@@ -142,3 +142,32 @@ TEST(VoxelizeTiles, KeepsValuesAndCount) {
     EXPECT_EQ(grid->activeVoxelCount(), count);
     EXPECT_EQ(grid->tree().getValue(Coord(200, 100, 7)), 0.25f);
 }
+
+TEST(CheckVoxels, AlbedosAreClampedAndCounted) {
+    const FloatGrid::Ptr grid = FloatGrid::create();
+    grid->tree().setValueOn(Coord(0), 1.5f);
+    grid->tree().setValueOn(Coord(1), -0.5f);
+    grid->tree().setValueOn(Coord(2), kNan);
+    grid->tree().setValueOn(Coord(3), 0.25f);
+    EXPECT_EQ(clampAlbedo(*grid), 3u);
+    const float expected[] = {1, 0, 0, 0.25f};
+    for (int i = 0; i < 4; ++i) EXPECT_EQ(grid->tree().getValue(Coord(i)), expected[i]);
+    checkAlbedo(*grid);
+    const Vec3SGrid::Ptr colors = Vec3SGrid::create();
+    colors->tree().addTile(1, Coord(0), Vec3s(0.5f, 2, -1), true);
+    EXPECT_EQ(clampAlbedo(*colors), 512u);
+    EXPECT_EQ(colors->tree().getValue(Coord(3)), Vec3s(0.5f, 1, 0));
+}
+
+TEST(CheckVoxels, ResultsAreFinite) {
+    const FloatGrid::Ptr grid = FloatGrid::create();
+    grid->setName("radiosity");
+    grid->tree().setValueOn(Coord(0), -1.0f);
+    requireFiniteResult(*grid, "too bright");
+    grid->tree().setValueOn(Coord(7, 8, 9), kInfinity);
+    const std::string message = messageOf([&] { requireFiniteResult(*grid, "too bright"); });
+    EXPECT_NE(message.find("'radiosity': 1 active voxel is infinite or not a number, the first at index (7, 8, 9)"),
+              std::string::npos)
+        << message;
+    EXPECT_NE(message.find("too bright"), std::string::npos);
+}
