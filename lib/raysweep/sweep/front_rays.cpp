@@ -1,6 +1,8 @@
 #include "raysweep/sweep/front_rays.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -15,6 +17,20 @@ bool isPeriodic(const RayFront& front) {
     return front.periodic || front.column.periodic || front.row.periodic;
 }
 
+/// Puts ranges in order, and together where they overlap or less than `gap` is between them.
+void merge(std::vector<RayRange>& ranges, int gap) {
+    std::sort(ranges.begin(), ranges.end(), [](const RayRange& a, const RayRange& b) { return a.begin < b.begin; });
+    std::vector<RayRange> merged;
+    for (const RayRange& range : ranges) {
+        if (range.empty()) continue;
+        if (merged.empty() || std::int64_t(range.begin) - merged.back().end > gap)
+            merged.push_back(range);
+        else
+            merged.back().end = std::max(merged.back().end, range.end);
+    }
+    ranges = std::move(merged);
+}
+
 }  // namespace
 
 FrontRays::FrontRays(const Beam& beam, const BrickIndex& index, int margin, int channels, bool furnace)
@@ -22,24 +38,23 @@ FrontRays::FrontRays(const Beam& beam, const BrickIndex& index, int margin, int 
       furnace_(furnace),
       rows_(widened(rayExtent(beam.front, beam.front.row), margin)),
       columns_(widened(rayExtent(beam.front, beam.front.column), margin)),
-      spans_(std::size_t(rows_.size())) {
-    const RayFront& front = beam.front;
-    for (int k = 0; k < front.slices; ++k) {
-        columnShifts_.push_back(front.column.shift(k));
-        rowShifts_.push_back(front.row.shift(k));
+      column_(beam.front.column),
+      row_(beam.front.row),
+      spans_(std::size_t(rows_.size())),
+      starts_(std::size_t(rows_.size())) {
+    if (isPeriodic(beam.front)) {
+        std::fill_n(spans_.data(), rows_.size(), columns_);
+        usedRows_ = {rows_};
+        usedColumns_ = {columns_};
+    } else {
+        spanBricks(beam.front, index);
     }
-    if (isPeriodic(front))
-        std::fill(spans_.begin(), spans_.end(), columns_);
-    else
-        spanBricks(front, index);
-    for (const RayRange& range : spans_) {
-        starts_.push_back(std::ptrdiff_t(plane_) + kPad - range.begin);
-        plane_ += std::size_t(range.size() + 2 * kPad);
-    }
-    rays_.assign(plane_ * std::size_t(channels + (furnace ? 2 : 0)), 0.0f);
+    makeRoom();
 }
 
 void FrontRays::spanBricks(const RayFront& front, const BrickIndex& index) {
+    constexpr int kWide = 1 << 16;  // rays; below, it is not worth while to look for gaps
+    const bool wide = rows_.size() > kWide || columns_.size() > kWide;
     for (const BrickIndex::Row& bricks : index.rows()) {
         const int slice = front.sliceNumber(bricks.layer);
         const auto reach = [&](int low, int high, int first, int last, const RayRange& all) {
@@ -54,23 +69,54 @@ void FrontRays::spanBricks(const RayFront& front, const BrickIndex& index) {
             RayRange& all = span(v);
             all = all.empty() ? columns : RayRange{std::min(all.begin, columns.begin), std::max(all.end, columns.end)};
         }
+        if (!wide) continue;
+        usedRows_.push_back(rows);
+        for (std::size_t i = bricks.first; i < bricks.end; ++i)
+            usedColumns_.push_back(reach(index.entries()[i].column, index.entries()[i].column, columnShift(slice),
+                                         columnShift(end), columns_));
     }
+    if (!wide) {
+        usedRows_ = {rows_};
+        usedColumns_ = {columns_};
+    }
+    merge(usedRows_, 0);
+    merge(usedColumns_, kWide);
+}
+
+/// Rows one behind the other.
+void FrontRays::makeRoom() {
+    for (const RayRange& rows : usedRows_)
+        for (int v = rows.begin; v < rows.end; ++v) {
+            starts_[std::size_t(v - rows_.begin)] = std::ptrdiff_t(plane_) + kPad - span(v).begin;
+            plane_ += std::size_t(span(v).size() + 2 * kPad);
+        }
+    rays_ = ZeroedArray<float>(plane_ * std::size_t(channels_ + (furnace_ ? 2 : 0)));
+}
+
+template <class Visit>
+void FrontRays::forEachStretch(const Visit& visit) {
+    for (const RayRange& rows : usedRows_)
+        for (int v = rows.begin; v < rows.end; ++v)
+            for (const RayRange& columns : usedColumns_) {
+                const RayRange held{std::max(span(v).begin, columns.begin), std::min(span(v).end, columns.end)};
+                if (!held.empty()) visit(v, held);
+            }
 }
 
 void FrontRays::enter(const Beam& beam, CrossingRays* arriving) {
-    if (furnace_) std::fill_n(lastSlice(), plane_, kLongAgo);
-    const RayRange lattice = rayExtent(beam.front, beam.front.row);
-    for (int v = lattice.begin; v < lattice.end; ++v) {
-        if (span(v).empty()) continue;
+    forEachStretch([&](int v, const RayRange& held) {
+        if (furnace_)
+            std::fill(lastSlice() + rowStarts()[v] + held.begin - kPad, lastSlice() + rowStarts()[v] + held.end + kPad,
+                      kLongAgo);
         const RayRange enters = raysThatEnter(beam.front, v);
-        const int begin = std::max(enters.begin, span(v).begin), end = std::min(enters.end, span(v).end);
-        if (end <= begin) continue;
+        const int begin = std::max(enters.begin, held.begin), end = std::min(enters.end, held.end);
+        if (end <= begin) return;
         entered_ += end - begin;
         for (int c = 0; c < channels_; ++c) {
             float* const rays = row(v) + std::size_t(c) * plane_;
             std::fill(rays + begin, rays + end, beam.entering[c]);
         }
-    }
+    });
     if (arriving) arrive(beam.front, *arriving);
 }
 
@@ -82,12 +128,15 @@ RaySums FrontRays::leave(const Beam& beam, CrossingRays* leaving) {
     for (int c = 0; c < channels_; ++c) {
         sums.entered[c] = entered * double(beam.entering[c]);
         sums.escaped[c] = (entered - entered_) * double(beam.entering[c]);
-        constexpr std::size_t kLanes = 8;  // added side by side, as wide instructions do
+        constexpr std::ptrdiff_t kLanes = 8;  // added side by side, as wide instructions do
         double sum[kLanes] = {0};
-        const float* const rays = power() + std::size_t(c) * plane_;
-        for (std::size_t i = 0; i < plane_ / kLanes * kLanes; i += kLanes)
-            for (std::size_t lane = 0; lane < kLanes; ++lane) sum[lane] += double(rays[i + lane]);
-        for (std::size_t i = plane_ / kLanes * kLanes; i < plane_; ++i) sum[0] += double(rays[i]);
+        forEachStretch([&](int v, const RayRange& held) {
+            const float* const rays = row(v) + std::size_t(c) * plane_;
+            std::ptrdiff_t u = held.begin;
+            for (; u + kLanes <= held.end; u += kLanes)
+                for (std::ptrdiff_t lane = 0; lane < kLanes; ++lane) sum[lane] += double(rays[u + lane]);
+            for (; u < held.end; ++u) sum[0] += double(rays[u]);
+        });
         for (const double part : sum) sums.escaped[c] += part;
     }
     return sums;

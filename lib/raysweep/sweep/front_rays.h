@@ -1,6 +1,7 @@
 /// The rays of one beam while they go through the volume.
 #pragma once
 
+#include "raysweep/core/zeroed_array.h"
 #include "raysweep/sweep/beam.h"
 #include "raysweep/sweep/brick_index.h"
 #include "raysweep/sweep/ray_sums.h"
@@ -12,8 +13,10 @@ namespace raysweep {
 
 constexpr float kLongAgo = -1e9f;  ///< a slice long before the first
 
-/// Powers of the rays that may meet a brick, lattice row by lattice row: of each row the stretch from the first to the
-/// last one that does. In a periodic volume they are all there. With the local furnace there are two more planes.
+/// Powers of the rays that may meet a brick, lattice row by lattice row: of each row there is room for the stretch from
+/// the first to the last one that does. In a periodic volume they are all there. With the local furnace there are two
+/// more planes. Memory is taken for rays near bricks only: rays in a wide gap, which would come out as they went in,
+/// are not held, whatever the bounding box.
 class FrontRays {
   public:
     FrontRays() = default;  ///< no rays
@@ -28,8 +31,8 @@ class FrontRays {
     float* furnace() { return power() + std::size_t(channels_) * plane_; }
     float* lastSlice() { return furnace() + plane_; }
     /// `Lateral::shift` of slice k.
-    int columnShift(int k) const { return columnShifts_[std::size_t(k)]; }
-    int rowShift(int k) const { return rowShifts_[std::size_t(k)]; }
+    int columnShift(int k) const { return column_.shift(k); }
+    int rowShift(int k) const { return row_.shift(k); }
 
     /// Gives every ray that enters the volume its power.
     /// @param arriving rays from the repetition before, in a volume that is periodic along the sweep's axis, or null
@@ -41,18 +44,23 @@ class FrontRays {
     float* row(int v) { return power() + rowStarts()[v]; }
     RayRange& span(int v) { return spans_[std::size_t(v - rows_.begin)]; }
     void spanBricks(const RayFront& front, const BrickIndex& index);
+    void makeRoom();
+    /// Calls `visit(v, range)` for the rays that are held, row by row.
+    template <class Visit>
+    void forEachStretch(const Visit& visit);
     void arrive(const RayFront& front, CrossingRays& arriving);
     void goOn(const RayFront& front, CrossingRays& leaving);
 
     int channels_ = 0;
     bool furnace_ = false;
     RayRange rows_, columns_;
-    std::vector<int> columnShifts_, rowShifts_;
-    std::vector<RayRange> spans_;  ///< of each row
-    std::vector<std::ptrdiff_t> starts_;
+    Lateral column_, row_;
+    std::vector<RayRange> usedRows_, usedColumns_;  ///< near bricks: ascending, apart
+    ZeroedArray<RayRange> spans_;                   ///< of each row
+    ZeroedArray<std::ptrdiff_t> starts_;
     std::size_t plane_ = 0;
     double entered_ = 0;  ///< rays that are held here and enter the volume
-    std::vector<float> rays_;
+    ZeroedArray<float> rays_;
 };
 
 }  // namespace raysweep

@@ -1,5 +1,7 @@
 #include "raysweep/sweep/ray_front.h"
 
+#include "raysweep/core/finite.h"
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -35,7 +37,7 @@ SliceRange slicesInside(const RayFront& front, const Lateral& lateral, int ray) 
 RayFront parallelFront(const BrickLayout& layout, const Vec3& direction, int reach, const LatticeOffset& offset,
                        const Periodic& periodic) {
     RayFront front;
-    front.direction = direction.normalized();
+    front.direction = unitVector(direction);
     const Vec3 inIndex = front.direction * layout.worldFromIndex.inverse();
     front.axis = sweepAxis(majorAxis(inIndex));
     front.directionClass = directionClass(inIndex);
