@@ -1,6 +1,7 @@
 /// Filling a float grid with a density that is a function of position, leaf by leaf, several at a time.
 #pragma once
 
+#include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/types.h"
 #include "raysweep/volume/grids.h"
@@ -20,18 +21,42 @@ struct FillRegion {
     Vec3 middle{0};
 };
 
+/// Checks that there is memory for a list of so many leaves, and what becomes of each. @throw InvalidArgument
+inline void requireLeafIndex(double count) {
+    requireBytes(count * double(sizeof(openvdb::Coord) + 2 * sizeof(void*)), "a list of the volume's blocks needs",
+                 "make it smaller");
+}
+
+/// Checks that there is memory for those of `count` leaves that `used(n)` says something is in, by looking at some.
+/// @throw InvalidArgument
+template <class Used>
+void requireRoomForLeaves(std::size_t count, std::size_t bytesPerVoxel, const Used& used) {
+    constexpr std::size_t kSamples = 40009;  // a prime, so that they follow no edge of the volume
+    const std::size_t stride = count < kSamples ? 1 : count / kSamples * 2 + 1, samples = (count + stride - 1) / stride;
+    const auto hits = orderedSum<std::size_t>(
+        samples, [&](std::size_t n) { return used(n * stride % count) ? std::size_t(1) : std::size_t(0); });
+    requireMemory(samples > 0 ? double(hits) / double(samples) * double(count) : 0, bytesPerVoxel);
+}
+
 /// Activates the voxels of `region` for which `density(position, leafData)` is above 0; `position` is the voxel's
 /// index relative to the middle. `prepare(centre, leafData)` is called before, once per leaf; where it returns false
 /// the leaf is empty.
+/// @throw InvalidArgument if there is not enough memory
 template <class LeafData, class Prepare, class Density>
 void fillLeaves(openvdb::FloatGrid& grid, const FillRegion& region, const Prepare& prepare, const Density& density) {
     using Leaf = openvdb::FloatTree::LeafNodeType;
     const auto fromMiddle = [&](const openvdb::Coord& ijk) { return Vec3(ijk.x(), ijk.y(), ijk.z()) - region.middle; };
     std::vector<openvdb::Coord> origins;
     const openvdb::Coord first = region.box.min() & ~7, last = region.box.max() & ~7;
+    const openvdb::Coord blocks = ((last - first) >> 3) + openvdb::Coord(1);
+    requireLeafIndex(double(blocks.x()) * blocks.y() * blocks.z());
     for (int x = first.x(); x <= last.x(); x += 8)
         for (int y = first.y(); y <= last.y(); y += 8)
             for (int z = first.z(); z <= last.z(); z += 8) origins.emplace_back(x, y, z);
+    requireRoomForLeaves(origins.size(), sizeof(float), [&](std::size_t n) {
+        LeafData data;
+        return prepare(fromMiddle(origins[n]) + Vec3(3.5), data);
+    });
     std::vector<std::unique_ptr<Leaf>> made(origins.size());
     parallelFor(origins.size(), [&](std::size_t n) {
         LeafData data;

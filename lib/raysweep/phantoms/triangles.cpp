@@ -3,6 +3,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/phantoms/convex_clip.h"
+#include "raysweep/phantoms/leaf_fill.h"
 #include "raysweep/phantoms/noise.h"
 
 #include <algorithm>
@@ -200,7 +201,13 @@ ColorVolume voxelizeTriangles(const std::vector<TranslucentTriangle>& triangles,
     const double h = edgeOf(options);
     std::vector<Sheet> sheets;
     for (const auto& triangle : triangles) sheets.push_back(sheetOf(triangle, h, options.thickness));
+    requireLeafIndex(std::pow(options.size / 8.0, 3));
     const std::vector<Coord> origins = leafOrigins(options.size);
+    const Vec3 middle = Vec3(0.5 * (options.size - 1));
+    requireRoomForLeaves(origins.size(), sizeof(float) + 2 * sizeof(openvdb::Vec3s), [&](std::size_t n) {
+        const Vec3 center = Vec3(origins[n].x(), origins[n].y(), origins[n].z()) - middle + Vec3(3.5);
+        return std::any_of(sheets.begin(), sheets.end(), [&](const Sheet& sheet) { return reaches(sheet, center, 4); });
+    });
     std::vector<Leaves> made(origins.size());
     parallelFor(origins.size(), [&](std::size_t n) { made[n] = fillLeaf(origins[n], sheets, options); });
 
