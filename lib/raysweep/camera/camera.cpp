@@ -28,7 +28,7 @@ void requireLens(const Camera& camera) {
     else
         requireField(camera.orthoWidth > 0 && std::isfinite(camera.orthoWidth), "camera orthoWidth", camera.orthoWidth,
                      "positive and finite");
-    requireField(isFinite(camera.up) && camera.up.length() > 0, "camera up", camera.up, "finite and not zero");
+    requireField(isDirection(camera.up), "camera up", camera.up, "finite and not zero");
 }
 
 /// Room left around the box, as a factor on its size in the picture.
@@ -47,17 +47,18 @@ void Camera::validate() const {
     requireField(isFinite(eye), "camera eye", eye, "finite");
     requireField(isFinite(target), "camera target", target, "finite");
     const Vec3 view = target - eye;
-    if (!(view.length() > 0))
+    requireField(isFinite(view), "camera eye", eye, "nearer to the target");
+    if (!isDirection(view))
         throw InvalidArgument("camera eye and target are the same point " + text(eye) + ": move one of them");
-    if (!(view.normalized().cross(up.normalized()).length() > 1e-6))
+    if (!(unitVector(view).cross(unitVector(up)).length() > 1e-6))
         throw InvalidArgument("camera up " + text(up) + " is parallel to the view from eye " + text(eye) +
                               " to target " + text(target) + ": give another up");
 }
 
 CameraFrame cameraFrame(const Camera& camera) {
     camera.validate();
-    const Vec3 forward = (camera.target - camera.eye).normalized();
-    const Vec3 right = forward.cross(camera.up).normalized();
+    const Vec3 forward = unitVector(camera.target - camera.eye);
+    const Vec3 right = forward.cross(unitVector(camera.up)).normalized();
     const double aspect = double(camera.width) / camera.height;
     const bool perspective = camera.projection == Camera::Projection::Perspective;
     const double top = perspective ? std::tan(camera.fov * kPi / 360) : 0.5 * camera.orthoWidth / aspect;
@@ -67,7 +68,7 @@ CameraFrame cameraFrame(const Camera& camera) {
 
 Camera orbit(const Camera& camera, double angle) {
     camera.validate();
-    const Vec3 axis = camera.up.normalized(), arm = camera.eye - camera.target;
+    const Vec3 axis = unitVector(camera.up), arm = camera.eye - camera.target;
     Camera turned = camera;
     turned.eye = camera.target + arm * std::cos(angle) + axis.cross(arm) * std::sin(angle) +
                  axis * (axis.dot(arm) * (1 - std::cos(angle)));  // Rodrigues
@@ -78,7 +79,7 @@ Camera framed(const Camera& camera, const Box3& bounds) {
     requireLens(camera);
     if (bounds.isEmpty() || !isFinite(bounds.min) || !isFinite(bounds.max))
         throw InvalidArgument("bounds to frame are empty or not finite");
-    const Vec3 up = camera.up.normalized(), right = rightOf(up), front = right.cross(up);
+    const Vec3 up = unitVector(camera.up), right = rightOf(up), front = right.cross(up);
     Camera result = camera;
     result.target = bounds.center();
     result.eye = result.target + (right * 0.5 + front * 0.8 + up * 0.4).normalized();

@@ -80,6 +80,15 @@ double meanSimilarity(const Image& image, const Image& reference, double peak) {
     return sum / (double(rows) * (image.width - 2 * radius) * image.channels);
 }
 
+Image channelsOf(const Image& image, int first, int count) {
+    Image part(image.width, image.height, count);
+    for (std::size_t p = 0, from = std::size_t(first); p < part.pixels.size(); p += std::size_t(count)) {
+        std::copy_n(image.pixels.begin() + std::ptrdiff_t(from), count, part.pixels.begin() + std::ptrdiff_t(p));
+        from += std::size_t(image.channels);
+    }
+    return part;
+}
+
 }  // namespace
 
 ImageDifference compareImages(const Image& image, const Image& reference, double peak) {
@@ -103,6 +112,27 @@ ImageDifference compareImages(const Image& image, const Image& reference, double
         if (std::isnan(d)) break;
     }
     if (std::isnan(result.maxDifference)) result.ssim = result.maxDifference;
+    return result;
+}
+
+PictureDifference comparePictures(const Image& image, const Image& reference, double peak) {
+    const auto hasAlpha = [](const Image& picture) { return picture.channels == 2 || picture.channels == 4; };
+    PictureDifference result;
+    if (!hasAlpha(image) && !hasAlpha(reference)) {
+        result.color = compareImages(image, reference, peak);
+        return result;
+    }
+    const auto colors = [&](const Image& picture) {
+        return channelsOf(picture, 0, picture.channels - (hasAlpha(picture) ? 1 : 0));
+    };
+    const auto alpha = [&](const Image& picture) {
+        if (hasAlpha(picture)) return channelsOf(picture, picture.channels - 1, 1);
+        Image opaque(picture.width, picture.height, 1);
+        std::fill(opaque.pixels.begin(), opaque.pixels.end(), 1.0f);
+        return opaque;
+    };
+    result.color = compareImages(colors(image), colors(reference), peak);
+    result.alpha = compareImages(alpha(image), alpha(reference), peak);
     return result;
 }
 

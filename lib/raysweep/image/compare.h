@@ -3,6 +3,8 @@
 
 #include "raysweep/image/image.h"
 
+#include <optional>
+
 namespace raysweep {
 
 /// Differences over all pixels and channels.
@@ -21,6 +23,16 @@ struct ImageDifference {
 /// @param peak value that counts as full scale in PSNR and SSIM.
 /// @throw InvalidArgument if the pictures are empty or differ in width, height or channels, or peak is not positive.
 ImageDifference compareImages(const Image& image, const Image& reference, double peak = 1);
+
+/// Of pictures of two or four channels, the last of which is alpha, or of which one has an alpha that the other lacks
+/// (it counts as 1).
+struct PictureDifference {
+    ImageDifference color;
+    std::optional<ImageDifference> alpha;  ///< none if neither has alpha
+};
+
+/// Compares colours, and apart from them alpha. @throw InvalidArgument as compareImages does
+PictureDifference comparePictures(const Image& image, const Image& reference, double peak = 1);
 
 /// The figures by which pictures that are to look alike are judged: of RGB pictures in display-encoded values (see
 /// shownBefore), as is usual. `ssim` is the mean over channels. NaN and errors as compareImages; so is what one of them

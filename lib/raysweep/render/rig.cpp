@@ -17,7 +17,7 @@ const double kGoldenAngle = kPi * (3 - std::sqrt(5.0));
 struct Standing {
     Vec3 up, right, front;
 
-    explicit Standing(const Vec3& axis) : up(axis.normalized()) {
+    explicit Standing(const Vec3& axis) : up(unitVector(axis)) {
         const Vec3 beside = axisAside(up);
         right = (beside - up * beside.dot(up)).normalized();
         front = right.cross(up);
@@ -83,7 +83,7 @@ void RigOptions::validate() const {
     requireField(std::isfinite(arc) && arc != 0, "arc", arc, "finite and not 0 degrees");
     requireField(std::isfinite(orthoWidth) && orthoWidth >= 0, "orthoWidth", orthoWidth, "0 (automatic) or larger");
     requireField(fov > 0 && fov < 180, "fov", fov, "between 0 and 180 degrees");
-    requireField(isFinite(up) && up.length() > 0, "up", up, "finite and not zero");
+    requireField(isDirection(up), "up", up, "finite and not zero");
     requireField(width > 0, "width", width, "at least 1 pixel");
     requireField(height > 0, "height", height, "at least 1 pixel");
 }

@@ -1,5 +1,6 @@
 #include "raysweep/render/shading.h"
 
+#include "raysweep/core/finite.h"
 #include "raysweep/core/require.h"
 #include "raysweep/volume/active_values.h"
 #include "raysweep/volume/grid_transform.h"
@@ -59,7 +60,7 @@ Vec3SGrid::Ptr normalsOf(const ShapeGrid& shape, const NormalAt& normal) {
 
 template <class ColorGrid>
 typename ColorGrid::Ptr shadedGrid(const ColorGrid& color, const Vec3SGrid& normals, const Shading& shading) {
-    const Vec3 light = shading.light.normalized();
+    const Vec3 light = unitVector(shading.light);
     const openvdb::Vec3s toLight(float(-light.x), float(-light.y), float(-light.z));
     const auto ambient = float(shading.ambient), diffuse = float(shading.diffuse);
     const auto result = color.deepCopy();
@@ -81,7 +82,7 @@ void Shading::validate() const {
     requireField(ambient >= 0 && ambient <= 1, "ambient", ambient, "in [0,1]");
     requireField(diffuse >= 0 && diffuse <= 1, "diffuse", diffuse, "in [0,1]");
     requireField(ambient + diffuse <= 1 + 1e-9, "ambient and diffuse together", ambient + diffuse, "at most 1");
-    requireField(std::isfinite(light.length()) && light.length() > 0, "light", light, "finite and not zero");
+    requireField(isDirection(light), "light", light, "finite and not zero");
 }
 
 Vec3SGrid::Ptr surfaceNormals(const FloatGrid& density, double extinctionScale, const openvdb::GridBase& shape) {

@@ -25,7 +25,7 @@ void Scene::validate() const {
     for (int c = 0; c < 3; ++c)
         requireField(medium.albedo[c] >= 0 && medium.albedo[c] <= 1, "albedo", medium.albedo[c], "in [0, 1]");
     for (const Sun& sun : suns) {
-        if (!isFinite(sun.direction) || sun.direction.length() == 0)
+        if (!isDirection(sun.direction))
             throw InvalidArgument("a sun's direction has no length; give the direction in which its light travels");
         requireLight("a sun's irradiance", sun.irradiance);
     }

@@ -329,3 +329,22 @@ TEST(CompareImages, ShapesMustAgree) {
     EXPECT_THROW(compareImages(Image(), Image()), InvalidArgument);
     EXPECT_THROW(compareImages(filled(2, 2, 0), filled(2, 2, 0), 0), InvalidArgument);
 }
+
+TEST(ComparePictures, AlphaIsComparedApartFromColours) {
+    Image a(2, 1, 4), b(2, 1, 4);
+    a.pixels = {0.5f, 0.5f, 0.5f, 1, 0.5f, 0.5f, 0.5f, 1};
+    b.pixels = {0.5f, 0.5f, 0.5f, 1, 0.5f, 0.5f, 0.5f, 0};
+    const PictureDifference difference = comparePictures(a, b);
+    EXPECT_EQ(difference.color.rmse, 0);
+    ASSERT_TRUE(difference.alpha.has_value());
+    EXPECT_DOUBLE_EQ(difference.alpha->rmse, std::sqrt(0.5));
+    EXPECT_EQ(difference.alpha->maxDifference, 1);
+
+    // A picture without alpha is opaque.
+    Image opaque(2, 1, 3);
+    opaque.pixels.assign(6, 0.5f);
+    EXPECT_EQ(comparePictures(opaque, b).color.rmse, 0);
+    EXPECT_DOUBLE_EQ(comparePictures(opaque, b).alpha->rmse, std::sqrt(0.5));
+    EXPECT_FALSE(comparePictures(Image(2, 1, 3), Image(2, 1, 3)).alpha.has_value());
+    EXPECT_THROW(comparePictures(Image(2, 1, 4), Image(2, 1, 1)), InvalidArgument);
+}
