@@ -6,7 +6,10 @@
 #include "raysweep/illuminate/power_balance.h"
 #include "raysweep/illuminate/sweep_recorder.h"
 #include "raysweep/illuminate/sweeps.h"
+#include "raysweep/scene/extremes.h"
+#include "raysweep/volume/voxel_check.h"
 
+#include <cmath>
 #include <utility>
 
 namespace raysweep {
@@ -33,6 +36,19 @@ void take(SweepRecord record, Illumination& result) {
     result.seconds.coarse = record.coarseSeconds;
     result.seconds.sweeps = record.sweepSeconds;
     result.seconds.finish = record.finishSeconds;
+}
+
+/// Light and media of any strength are taken; what follows from them need not fit into a float.
+void requireFinite(const Illumination& result, const Scene& scene) {
+    const PowerBalance& power = result.power;
+    bool finite = std::isfinite(power.error());
+    for (int c = 0; c < result.plan.channels; ++c)
+        finite = finite && std::isfinite(power.injected[c]) && std::isfinite(power.absorbed[c]) &&
+                 std::isfinite(power.escaped[c]) && std::isfinite(power.unshot[c]);
+    const std::string cause = describeExtremes(scene);
+    if (!finite) throw InvalidArgument("the power balance is infinite or not a number: " + cause);
+    requireFiniteResult(*result.radiosity, cause);
+    if (result.unshot) requireFiniteResult(*result.unshot, cause);
 }
 
 }  // namespace
@@ -68,6 +84,7 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
     result.power = powerBalance(state);
     result.radiosity = finalGrid(state, scene);
     if (result.plan.unshotGrid) result.unshot = unshotGrid(state, scene);
+    requireFinite(result, scene);
     result.seconds.output = timer.seconds();
     return result;
 }

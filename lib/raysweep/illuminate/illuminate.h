@@ -40,7 +40,7 @@ struct Illumination {
 };
 
 /// Lights `scene`.
-/// @throw InvalidArgument for options or a scene that cannot be worked with.
+/// @throw InvalidArgument for options or a scene that cannot be worked with, or whose answer does not fit into floats.
 Illumination illuminate(const Scene& scene, const IlluminateOptions& options = {},
                         const ProgressCallback& progress = {});
 
