@@ -2,77 +2,29 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
+#include "raysweep/core/finite.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/text_file.h"
 #include "raysweep/volume/record_file.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <memory>
 
 namespace raysweep::apps {
-namespace {
-
-/// @return false unless `text` is a finite number and nothing else.
-bool readNumber(const std::string& text, double& value) {
-    const char* begin = text.data();
-    const char* end = begin + text.size();
-    while (begin != end && *begin == ' ') ++begin;
-    while (end != begin && end[-1] == ' ') --end;
-    if (begin != end && *begin == '+') ++begin;
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    return begin != end && error == std::errc() && stop == end && std::isfinite(value);
-}
-
-class Config : public CLI::ConfigTOML {
-  public:
-    explicit Config(const CLI::App& program) : program_(program) {}
-
-    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-        std::vector<CLI::ConfigItem> items = CLI::ConfigTOML::from_config(input);
-        for (CLI::ConfigItem& item : items) {
-            const auto called = program_.get_subcommands();
-            if (item.parents.empty() && !called.empty()) item.parents = {called.front()->get_name()};
-            joinNumbers(item.inputs);
-        }
-        return items;
-    }
-
-  private:
-    // [0, 0, -1, 3] is one value of an option that takes "0,0,-1,3"; ["a", "b"] gives an option twice.
-    static void joinNumbers(std::vector<std::string>& inputs) {
-        if (inputs.size() < 2 || !std::all_of(inputs.begin(), inputs.end(), isNumberOrColor)) return;
-        std::string joined;
-        for (const std::string& input : inputs) joined += (joined.empty() ? "" : ",") + input;
-        inputs = {joined};
-    }
-
-    static bool isNumberOrColor(const std::string& text) {
-        const std::vector<std::string> parts = split(text, ':');
-        double ignored = 0;
-        return std::all_of(parts.begin(), parts.end(),
-                           [&](const std::string& part) { return readNumber(part, ignored); });
-    }
-
-    const CLI::App& program_;
-};
-
-}  // namespace
 
 void addCommonOptions(CLI::App& app, CommonOptions& options) {
     const std::string group = "Common options";
+    options.command = &app;
     app.add_option("--threads", options.threads, "Number of threads; 0: all cores")
         ->check(CLI::Range(0, 4096).description(""))
         ->capture_default_str()
         ->group(group);
     app.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str()->group(group);
-    app.add_option("--report", options.reportFile, "Write what was done, and how long it took, to this file")
+    writes(app.add_option("--report", options.reportFile, "Write what was done, and how long it took, to this file"))
         ->type_name("FILE.json")
         ->check([](const std::string& path) { return path == "-" ? "a file name is needed, not '-'" : ""; })
         ->group(group);
@@ -87,12 +39,6 @@ void addCommonOptions(CLI::App& app, CommonOptions& options) {
         ->type_name("FILE")
         ->configurable(false)
         ->group(group);
-}
-
-void readConfigFiles(CLI::App& program) {
-    program.set_config("--config", "", "Read options from this TOML or INI file")->type_name("FILE");
-    program.config_formatter(std::make_shared<Config>(program));
-    program.allow_config_extras(CLI::config_extras_mode::error);
 }
 
 void usageError(const std::string& option, const std::string& why) {
@@ -110,8 +56,11 @@ std::vector<std::string> split(const std::string& text, char separator) {
     return parts;
 }
 
-std::vector<double> parseNumbers(const std::string& text, const std::string& option, std::size_t least,
-                                 std::size_t most, const std::string& example) {
+namespace {
+
+/// Numbers between commas, however large. See parseNumbers.
+std::vector<double> anyNumbers(const std::string& text, const std::string& option, std::size_t least, std::size_t most,
+                               const std::string& example) {
     std::vector<double> numbers;
     for (const std::string& part : split(text, ',')) {
         double number = 0;
@@ -126,6 +75,17 @@ std::vector<double> parseNumbers(const std::string& text, const std::string& opt
         usageError(option, "'" + text + "' has " + std::to_string(numbers.size()) + " where " + wanted +
                                " separated by commas are needed; for example " + option + " " + example);
     }
+    return numbers;
+}
+
+}  // namespace
+
+std::vector<double> parseNumbers(const std::string& text, const std::string& option, std::size_t least,
+                                 std::size_t most, const std::string& example) {
+    const std::vector<double> numbers = anyNumbers(text, option, least, most, example);
+    for (const double number : numbers)
+        if (std::abs(number) > kLargestNumber)
+            usageError(option, "'" + text + "': numbers must be within -1e30 and 1e30");
     return numbers;
 }
 
@@ -146,9 +106,25 @@ double parseNumber(const std::string& text, const std::string& option, const std
     return parseNumbers(text, option, 1, 1, example).front();
 }
 
+namespace {
+
+/// A direction as it is, or where squares of its numbers are none, with the length 1.
+Vec3 scaled(const Vec3& direction) {
+    const double square = direction.dot(direction);
+    return square > 1e-200 && square < 1e200 ? direction : unitVector(direction);
+}
+
+}  // namespace
+
 Vec3 parseVec3(const std::string& text, const std::string& option) {
     const std::vector<double> v = parseNumbers(text, option, 3, 3, "1,0.5,-2");
     return Vec3(v[0], v[1], v[2]);
+}
+
+Vec3 parseDirection(const std::string& text, const std::string& option) {
+    const std::vector<double> v = anyNumbers(text, option, 3, 3, "1,0.5,-2");
+    if (v[0] == 0 && v[1] == 0 && v[2] == 0) usageError(option, "'" + text + "': the direction has no length");
+    return scaled(Vec3(v[0], v[1], v[2]));
 }
 
 Color parseColor(const std::string& text, const std::string& option) {
@@ -170,16 +146,12 @@ void requireFileOutput(const std::string& path, const std::string& option) {
     if (path.empty() || path == "-") usageError(option, "a file name is needed; standard output cannot be used here");
 }
 
-void requireRecordName(const std::string& record, const std::vector<std::string>& others) {
-    namespace fs = std::filesystem;
+void requireRecordName(const std::string& record) {
     if (lowerExtension(record) != ".json") usageError("--record", "'" + record + "' must end in .json");
-    const auto placeOf = [](const std::string& path) { return fs::absolute(path).lexically_normal(); };
-    for (const std::string& written : {record, recordedFields(record)})
-        for (const std::string& other : others)
-            if (!other.empty() && placeOf(other) == placeOf(written))
-                usageError("--record", "'" + written +
-                                           "' would be written, but is another file of this command; "
-                                           "choose another name");
+}
+
+std::vector<std::string> recordFiles(const std::string& record) {
+    return {record, recordedFields(record)};
 }
 
 std::string numberedName(const std::string& path, int number) {
@@ -190,18 +162,44 @@ std::string numberedName(const std::string& path, int number) {
 }
 
 ThreadLimit start(const CommonOptions& options) {
+    requireFilesApart(*options.command);
     if (!options.reportFile.empty()) requireWritable(options.reportFile);
     return ThreadLimit(options.threads);
 }
 
+namespace {
+
+/// JSON has no NaN and no infinity: what is written as null in their place is read as "not there".
+void requireNumbers(const nlohmann::ordered_json& value, const std::string& name) {
+    if (value.is_number_float() && !std::isfinite(value.get<double>()))
+        throw InvalidArgument("the report's '" + name + "' is " +
+                              (std::isnan(value.get<double>()) ? "NaN" : "infinite") +
+                              ": values of input or options are too large, or too small, for what is computed of them");
+    if (value.is_object())
+        for (const auto& [key, part] : value.items()) requireNumbers(part, name.empty() ? key : name + "." + key);
+    if (value.is_array())
+        for (const auto& part : value) requireNumbers(part, name);
+}
+
+}  // namespace
+
+void requireFinite(const std::vector<float>& values, const std::string& what) {
+    const auto bad = std::count_if(values.begin(), values.end(), [](float value) { return !std::isfinite(value); });
+    if (bad > 0)
+        throw InvalidArgument(
+            what + " would have " + std::to_string(bad) +
+            " values that are NaN or infinite: light, extinction, background or what is in the volume "
+            "is too large for single precision; choose units in which numbers are nearer 1");
+}
+
+nlohmann::ordered_json finiteOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
 void writeReport(const CommonOptions& options, const nlohmann::ordered_json& report) {
     if (options.reportFile.empty()) return;
-    OutputFile target(options.reportFile);
-    std::ofstream out(target.temporary());
-    out << report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
-    out.close();
-    if (!out) throw IoError("cannot write '" + options.reportFile + "': the disk may be full");
-    target.commit();
+    requireNumbers(report, "");
+    writeText(options.reportFile, report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace raysweep::apps

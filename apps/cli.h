@@ -2,6 +2,8 @@
 #pragma once
 
 #include "command.h"
+#include "file_roles.h"
+#include "signals.h"
 
 #include "raysweep/core/brief.h"
 #include "raysweep/core/parallel.h"
@@ -19,7 +21,8 @@ namespace raysweep::apps {
 /// Usage errors end the program with kUsage. @throw CLI::ValidationError always. `option` is named as typed ("--sun").
 [[noreturn]] void usageError(const std::string& option, const std::string& why);
 
-/// Numbers separated by commas, `least` to `most` of them. `example` is shown when the text does not fit.
+/// Numbers separated by commas, `least` to `most` of them, none beyond kLargestNumber. `example` is shown when the text
+/// does not fit.
 /// @throw CLI::ValidationError as the other parse functions do.
 std::vector<double> parseNumbers(const std::string& text, const std::string& option, std::size_t least,
                                  std::size_t most, const std::string& example);
@@ -31,10 +34,13 @@ using WholeRange = std::pair<int, int>;
 std::vector<int> parseWhole(const std::string& text, const std::string& option, std::size_t count,
                             const WholeRange& range, const std::string& example);
 
-/// One number, finite. `text` must hold nothing else.
+/// One number, likewise. `text` must hold nothing else.
 double parseNumber(const std::string& text, const std::string& option, const std::string& example);
 
-/// X,Y,Z
+/// X,Y,Z of a direction, of any length but 0. The result's is one with whose square can be calculated.
+Vec3 parseDirection(const std::string& text, const std::string& option);
+
+/// X,Y,Z of a point
 Vec3 parseVec3(const std::string& text, const std::string& option);
 
 /// Linear RGB, non-negative: one number for grey, or R,G,B or R:G:B.
@@ -50,9 +56,11 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// @throw CLI::ValidationError
 void requireFileOutput(const std::string& path, const std::string& option = "--output");
 
-/// Checks the name of --record: RUN.json, and neither that nor the RUN.vdb that goes with it is one of `others`, files
-/// that are read or written as well; empty names are passed over. @throw CLI::ValidationError
-void requireRecordName(const std::string& record, const std::vector<std::string>& others);
+/// Checks the name of --record, RUN.json. @throw CLI::ValidationError
+void requireRecordName(const std::string& record);
+
+/// The files of a record: RUN.json, and the RUN.vdb that goes with it.
+std::vector<std::string> recordFiles(const std::string& record);
 
 /// `path` with _0001 and so on before its extension: one of a series of files.
 std::string numberedName(const std::string& path, int number);
@@ -60,8 +68,9 @@ std::string numberedName(const std::string& path, int number);
 /// How --help is laid out.
 std::shared_ptr<CLI::FormatterBase> helpFormatter();
 
-/// Every subcommand starts with this: limits the threads for as long as the result lives, and checks that the report
-/// can be written, so that long work does not end in an error that was certain at its start. @throw IoError
+/// Every subcommand starts with this: limits the threads for as long as the result lives, and checks that files that
+/// are written are no others of the command and that the report can be written, so that long work does not end in an
+/// error that was certain at its start. @throw CLI::ValidationError, IoError
 ThreadLimit start(const CommonOptions& options);
 
 /// Makes `--config` read TOML or INI: keys are long option names, either under [subcommand] or before any section,
@@ -76,10 +85,21 @@ void warning(const CommonOptions& options, const std::string& text);
 /// As message, but only with --verbose.
 void detail(const CommonOptions& options, const std::string& text);
 
-/// Writes a report if the user asked for one; whole or not at all. @throw IoError
+/// Writes a report if the user asked for one; whole or not at all. @throw Error naming a number that is not finite
 void writeReport(const CommonOptions& options, const nlohmann::ordered_json& report);
 
-/// While it lives: Ctrl-C asks the work to stop (a second one kills), and on a terminal a bar with the time left is
+/// For requireFiniteResult.
+constexpr const char* kTooLarge =
+    "what was read, or an option, is too large for single precision; choose units in which numbers are nearer 1";
+
+/// Checks what is about to be written. @throw InvalidArgument "WHAT would have 3 values that are NaN or infinite ..."
+void requireFinite(const std::vector<float>& values, const std::string& what);
+
+/// For reports, where nothing is an answer as well ("was not measured", the PSNR of equal pictures): null unless
+/// finite.
+nlohmann::ordered_json finiteOrNull(double value);
+
+/// While it lives: Ctrl-C asks the work to stop (see StopRequests), and on a terminal a bar with the time left is
 /// drawn on stderr, unless --quiet. Make one around long work and hand `callback()` to it.
 class TerminalProgress {
   public:
@@ -97,6 +117,7 @@ class TerminalProgress {
   private:
     void draw(const std::string& stage, double fraction);
 
+    StopRequests requests_;
     bool drawing_;
     std::string stage_;
     double stageStart_ = 0, lastDrawn_ = -1;

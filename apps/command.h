@@ -1,7 +1,7 @@
 /// What every subcommand shares. main.cpp holds the table of subcommands and the only catch.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "cli11.h"
 
 #include <string>
 
@@ -9,11 +9,12 @@ namespace raysweep::apps {
 
 /// Options that every subcommand has.
 struct CommonOptions {
-    int threads = 0;         ///< number of threads; 0: all cores
-    unsigned seed = 1;       ///< seed of everything random
-    std::string reportFile;  ///< JSON report, empty: none
-    bool quiet = false;      ///< no messages, no progress
-    bool verbose = false;    ///< more messages
+    const CLI::App* command = nullptr;  ///< the subcommand whose they are
+    int threads = 0;                    ///< number of threads; 0: all cores
+    unsigned seed = 1;                  ///< seed of everything random
+    std::string reportFile;             ///< JSON report, empty: none
+    bool quiet = false;                 ///< no messages, no progress
+    bool verbose = false;               ///< more messages
 };
 
 /// Exit codes: 0 done, 1 failed, 2 usage, 130 stopped by Ctrl-C.

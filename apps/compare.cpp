@@ -37,11 +37,6 @@ FileKind kindOf(const std::string& path) {
     return lowerExtension(path) == ".vdb" ? FileKind::kVolume : FileKind::kImage;
 }
 
-/// JSON has no infinity: equal inputs have no finite PSNR.
-json finiteOrNull(double value) {
-    return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 json compareVolumes(const CompareOptions& options) {
     const VdbFile a = readVdb(options.file), b = readVdb(options.reference);
     const auto gridA = selectGrid(a, options.grid), gridB = selectGrid(b, options.grid);
@@ -62,12 +57,20 @@ json compareVolumes(const CompareOptions& options) {
 }
 
 json compareImageFiles(const CompareOptions& options) {
-    const ImageDifference d = compareImages(readImage(options.file), readImage(options.reference));
-    return {{"rmse", finiteOrNull(d.rmse)},
-            {"relative_rmse", finiteOrNull(d.relativeRmse)},
-            {"psnr", finiteOrNull(d.psnr)},
-            {"ssim", finiteOrNull(d.ssim)},
-            {"max", finiteOrNull(d.maxDifference)}};
+    const PictureDifference difference = comparePictures(readImage(options.file), readImage(options.reference));
+    const ImageDifference& d = difference.color;
+    json result = {{"rmse", finiteOrNull(d.rmse)},
+                   {"relative_rmse", finiteOrNull(d.relativeRmse)},
+                   {"psnr", finiteOrNull(d.psnr)},
+                   {"ssim", finiteOrNull(d.ssim)},
+                   {"max", finiteOrNull(d.maxDifference)}};
+    if (!difference.alpha) return result;
+    result["alpha_rmse"] = finiteOrNull(difference.alpha->rmse);
+    result["alpha_max"] = finiteOrNull(difference.alpha->maxDifference);
+    if (difference.alpha->rmse != 0)
+        message(options.common, "alpha differs, by up to " + brief(difference.alpha->maxDifference, 3) +
+                                    "; the other figures are of the colours alone");
+    return result;
 }
 
 std::string toText(const json& value) {
@@ -100,8 +103,13 @@ int runCompare(const CompareOptions& options) {
         print(result);
     writeReport(options.common, result);
     if (options.maxRms < 0) return kDone;
-    const bool within = result["rmse"].is_number() && result["rmse"].get<double>() <= options.maxRms;
-    if (!within) message(options.common, "the RMSE is above --max-rms");
+    const auto isWithin = [&](const char* name) {
+        if (!result.contains(name)) return true;
+        const bool within = result[name].is_number() && result[name].get<double>() <= options.maxRms;
+        if (!within) message(options.common, std::string("the ") + name + " is above --max-rms");
+        return within;
+    };
+    const bool within = isWithin("rmse") & isWithin("alpha_rmse");
     return within ? kDone : kFailed;
 }
 
@@ -111,12 +119,12 @@ void addCompare(CLI::App& app, int& exitCode) {
     CLI::App* command =
         app.add_subcommand("compare", "Compare two .vdb files or two images: RMSE, PSNR, largest difference");
     const auto options = std::make_shared<CompareOptions>();
-    command->add_option("file", options->file, "What to judge")->required()->type_name("A");
-    command->add_option("reference", options->reference, "What it should be")->required()->type_name("B");
+    reads(command->add_option("file", options->file, "What to judge"))->required()->type_name("A");
+    reads(command->add_option("reference", options->reference, "What it should be"))->required()->type_name("B");
     command->add_option("--grid", options->grid,
                         "Grid to compare (default: density, else the only one of type float or vec3s); NAME[1] is the "
                         "second of that name");
-    command->add_option("--max-rms", options->maxRms, "Exit with 1 if the RMSE is above this")
+    command->add_option("--max-rms", options->maxRms, "Exit with 1 if the RMSE, of colours or of alpha, is above this")
         ->check(CLI::NonNegativeNumber.description(""));
     command->add_flag("--json", options->json, "Print JSON");
     addCommonOptions(*command, options->common);

@@ -98,11 +98,13 @@ nlohmann::ordered_json describe(const Scan& scan) {
     return json;
 }
 
-/// NaN becomes null in the file.
+/// What is not known is null.
 template <class Value>
 nlohmann::ordered_json historyOf(const Reconstruction& result, Value SartPoint::*value) {
     nlohmann::ordered_json json = nlohmann::ordered_json::array();
-    for (const SartPoint& point : result.history) json.push_back(point.*value);
+    for (const SartPoint& point : result.history)
+        json.push_back(std::isfinite(double(point.*value)) ? nlohmann::ordered_json(point.*value)
+                                                           : nlohmann::ordered_json(nullptr));
     return json;
 }
 
@@ -151,6 +153,7 @@ void requireOutputs(const CtArguments& a) {
 }
 
 void write(const CtArguments& a, const openvdb::FloatGrid::Ptr& volume) {
+    requireFiniteResult(*volume, kTooLarge);
     volume->setSaveFloatAsHalf(a.half);
     if (a.half && clampForHalf(*volume) > 0) warning(a.common, "values beyond half floats were set to 65504");
     volume->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));

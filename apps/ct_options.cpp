@@ -188,6 +188,10 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
     app.add_option("--record", a.record,
                    "Write all that it takes to make the same updates again, to this file and to RUN.vdb beside it")
         ->type_name("RUN.json");
+    for (const char* name : {"projections", "--flat", "--dark", "--initial", "--reference"})
+        reads(app.get_option(name));
+    for (const char* name : {"--output", "--plot", "--slices"}) writes(app.get_option(name));
+    writes(app.get_option("--record"), recordFiles);
     app.option_defaults()->group("Options");
     addCommonOptions(app, a.common);
 }
@@ -199,8 +203,7 @@ void completeOptions(CtArguments& a, const CLI::App& command) {
         usageError("--initial", "'" + a.initial + "' must be a .vdb file, or " + kFiltered);
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)
         usageError("--slices", "'" + a.slices + "' must end in .png or .exr");
-    if (!a.record.empty())
-        requireRecordName(a.record, {a.output, a.initial, a.reference, a.common.reportFile, a.geometry.options.file});
+    if (!a.record.empty()) requireRecordName(a.record);
     completeScan(a);
     requireFittingOptions(a, command);
     completeReconstruction(a);

@@ -34,7 +34,7 @@ void runExport(const ExportOptions& options) {
 void addExport(CLI::App& app, int&) {
     CLI::App* command = app.add_subcommand("export", "Make a copy of a lit volume that Blender shows in its place");
     const auto options = std::make_shared<ExportOptions>();
-    command->add_option("input", options->input, "Lit volume, a .vdb written by raysweep light")
+    reads(command->add_option("input", options->input, "Lit volume, a .vdb written by raysweep light"))
         ->required()
         ->type_name("LIT.vdb");
     command
@@ -42,6 +42,7 @@ void addExport(CLI::App& app, int&) {
                      "The same grids, each moved back by the half voxel by which Blender's Cycles misplaces it")
         ->required()
         ->type_name("OUT.vdb");
+    writes(command->get_option("--output"));
     addCommonOptions(*command, options->common);
     command->callback([options] { runExport(*options); });
 }

@@ -12,6 +12,7 @@
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/statistics.h"
 #include "raysweep/volume/vdb_io.h"
+#include "raysweep/volume/voxel_check.h"
 
 #include <nlohmann/json.hpp>
 
@@ -74,6 +75,7 @@ std::string commandOf(const GenerateOptions& options) {
 
 void writeGrids(const GenerateOptions& options, const openvdb::GridPtrVec& grids) {
     for (const auto& grid : grids) {
+        requireFiniteResult(*grid, kTooLarge);
         grid->setSaveFloatAsHalf(options.half);
         grid->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
         grid->insertMeta("raysweep_generate", openvdb::StringMetadata(commandOf(options)));
@@ -271,6 +273,10 @@ void addGenerate(CLI::App& app, int&) {
     addTriangleOptions(*command, *options);
     addRoomOptions(*command, *options);
     addCommonOptions(*command, options->common);
+    reads(command->get_option("--volume"));
+    writes(command->get_option("--output"));
+    writes(command->get_option("--projections"),
+           [options](const std::string& output) { return projectionNames(output, options->scan); });
     command->callback([options, command] {
         completeOptions(*options, *command);
         runGenerate(*options);

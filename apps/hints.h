@@ -3,7 +3,7 @@
 
 #include "raysweep/core/error.h"
 
-#include <CLI/CLI.hpp>
+#include "cli11.h"
 
 #include <functional>
 #include <string>

@@ -74,6 +74,8 @@ void addOptions(CLI::App& app, Arguments& a) {
     app.option_defaults()->group("Output");
     app.add_option("--name", a.options.name, "Name of the grid")->capture_default_str();
     app.add_flag("--half", a.half, "Save as half floats");
+    reads(app.get_option("files"));
+    writes(app.get_option("--output"));
     addCommonOptions(app, a.common);
 }
 

@@ -128,6 +128,9 @@ void print(const json& info) {
               << (info["grids"].size() == 1 ? " grid" : " grids") << "\n";
     printMetadata(info["metadata"], "");
     for (const json& grid : info["grids"]) printGrid(grid);
+    for (const json& grid : info["unreadable"])
+        std::cout << (grid["name"].get<std::string>().empty() ? "(no name)" : grid["name"].get<std::string>()) << ": "
+                  << grid["type"].get<std::string>() << ", cannot be read\n";
 }
 
 struct InfoOptions {
@@ -136,27 +139,53 @@ struct InfoOptions {
     bool json = false;
 };
 
-void runInfo(const InfoOptions& options) {
+/// What cannot be shown of a grid need not keep others from being shown.
+json describeOrError(const openvdb::GridBase& grid) {
+    try {
+        return describe(grid);
+    } catch (const openvdb::Exception& e) {
+        return {{"name", grid.getName()}, {"type", grid.valueType()}, {"error", "grid '" + grid.getName() + "': " + e.what()}};
+    }
+}
+
+int runInfo(const InfoOptions& options) {
     const ThreadLimit limit = start(options.common);
-    const VdbFile file = readVdb(options.file);
-    json info = {{"file", options.file}, {"metadata", metadataToJson(file.metadata)}, {"grids", json::array()}};
-    for (const auto& grid : file.grids) info["grids"].push_back(describe(*grid));
+    const VdbSurvey survey = surveyVdb(options.file);
+    const VdbFile& file = survey.file;
+    json info = {{"file", options.file},
+                 {"metadata", metadataToJson(file.metadata)},
+                 {"grids", json::array()},
+                 {"unreadable", json::array()}};
+    for (const auto& grid : file.grids) {
+        const json described = describeOrError(*grid);
+        info[described.contains("error") ? "unreadable" : "grids"].push_back(described);
+    }
+    for (const UnreadableGrid& grid : survey.unreadable)
+        info["unreadable"].push_back({{"name", grid.name}, {"type", grid.type}, {"error", grid.error}});
     if (options.json)
         std::cout << info.dump(2, ' ', false, json::error_handler_t::replace) << "\n";
     else
         print(info);
     writeReport(options.common, info);
+    if (info["unreadable"].empty()) return kDone;
+    for (const json& grid : info["unreadable"])
+        std::fprintf(stderr, "raysweep: '%s': %s\n", options.file.c_str(),
+                     grid["error"].get<std::string>().c_str());
+    return kFailed;
 }
 
 }  // namespace
 
-void addInfo(CLI::App& app, int&) {
-    CLI::App* command = app.add_subcommand("info", "Show the grids of a .vdb file: types, transforms, sizes, values");
+void addInfo(CLI::App& app, int& exitCode) {
+    CLI::App* command =
+        app.add_subcommand("info",
+                           "Show the grids of a .vdb file: types, transforms, sizes, values; exit code 1 if one cannot "
+                           "be read, after showing the others");
     const auto options = std::make_shared<InfoOptions>();
-    command->add_option("file", options->file, "The .vdb file")->required()->type_name("FILE.vdb");
+    reads(command->add_option("file", options->file, "The .vdb file"))->required()->type_name("FILE.vdb");
     command->add_flag("--json", options->json, "Print JSON");
     addCommonOptions(*command, options->common);
-    command->callback([options] { runInfo(*options); });
+    command->callback([options, &exitCode] { exitCode = runInfo(*options); });
 }
 
 }  // namespace raysweep::apps

@@ -5,12 +5,14 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/illuminate/illumination_record.h"
 #include "raysweep/scene/lit_file.h"
 #include "raysweep/volume/checksum.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/record_file.h"
 #include "raysweep/volume/resample.h"
+#include "raysweep/volume/statistics.h"
 
 #include <nlohmann/json.hpp>
 
@@ -122,7 +124,10 @@ Plan withResolution(Plan plan, const LightArguments& a, const Scene& scene, cons
     return plan;
 }
 
-void comment(const LightArguments& a, const SceneOrigin& origin, const Illumination& lit) {
+void comment(const LightArguments& a, const SceneFromFile& made, const Illumination& lit) {
+    const SceneOrigin& origin = made.origin;
+    const ValueRange densities = valueRange(*made.scene.medium.density);
+    const float largestDensity = densities.max.empty() ? 0 : densities.max[0];
     if (lit.sweepsToReach > kManySweeps)
         warning(a.common, "the emitting voxels are so few that it takes about " + brief(lit.sweepsToReach) +
                               " sweeps until their light has been everywhere; --point would converge sooner");
@@ -136,7 +141,9 @@ void comment(const LightArguments& a, const SceneOrigin& origin, const Illuminat
         warning(a.common, std::to_string(lit.invisibleEmitters) +
                               " voxels emit but have no extinction: they light others but cannot be seen themselves");
     if (lit.activeVoxels == 0)
-        warning(a.common, "the density grid is empty: there is nothing to light");
+        warning(a.common, "the density grid is empty (it has no active voxels): there is nothing to light");
+    else if (largestDensity == 0)
+        warning(a.common, "the density is 0 in all active voxels: there is nothing that light could meet");
     else if (mean(lit.power.injected, lit.plan.channels) == 0)
         warning(a.common, "no light reaches the volume, so it is black; add --sun, --point, --sky or --emission");
     if (lit.termination == Termination::sweepLimit)
@@ -148,13 +155,24 @@ void comment(const LightArguments& a, const SceneOrigin& origin, const Illuminat
                          " to finish, power balance error " + brief(lit.power.error()));
 }
 
+/// What voxels were, and what they count as.
+std::string wordsOf(Repair::Kind kind, bool one) {
+    const std::string count = one ? " and counts as " : " and count as ";
+    switch (kind) {
+        case Repair::Kind::negative:
+            return "NaN, infinite or negative" + count + "0";
+        case Repair::Kind::fraction:
+            return "outside [0,1]" + count + "the nearest value in it";
+        default:
+            return "NaN or infinite" + count + "0";
+    }
+}
+
 void commentOnInput(const LightArguments& a, const SceneOrigin& origin, const VdbFile& input) {
     for (const Repair& repair : origin.repairs) {
         const bool one = repair.voxels == 1;
         warning(a.common, std::to_string(repair.voxels) + (one ? " voxel" : " voxels") + " of '" + repair.grid +
-                              (one ? "' was " : "' were ") +
-                              (repair.negativeToo ? "NaN, infinite or negative" : "NaN or infinite") +
-                              (one ? " and counts as 0" : " and count as 0"));
+                              (one ? "' was " : "' were ") + wordsOf(repair.kind, one));
     }
     const auto own = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "extinction"; };
     if (origin.ownExtinction && std::any_of(input.grids.begin(), input.grids.end(), own))
@@ -256,6 +274,7 @@ int run(LightArguments& a) {
         a.options.snapshotEvery = a.snapshots;
         a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
             write(numberedName(a.output, sweep), a, scene, file, {asWritten(a, scene.scene, radiosity)});
+            commitRunOutputs();  // to be looked at while the work goes on
         };
     }
 
@@ -268,7 +287,7 @@ int run(LightArguments& a) {
     write(a.output, a, scene, file, grids);
     if (!a.record.empty()) write(a, file, scene.origin, record);
     const double writeSeconds = timer.seconds();
-    comment(a, scene.origin, lit);
+    comment(a, scene, lit);
     writeReport(a.common, describe(a, scene, lit, readSeconds, writeSeconds));
     if (!a.plot.empty()) plotHistory(a, lit.history);
     return lit.termination == Termination::interrupted ? kInterrupted : kDone;

@@ -49,13 +49,17 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
     app.add_flag("--from-level-set", medium.levelSet,
                  "The density grid is a level set: light its inside, a solid of opacity 0.99 per voxel; with "
                  "--extinction a fog");
-    app.add_flag("--repair", medium.repair, "Set NaN, infinite and negative voxels to 0 instead of refusing them");
+    app.add_flag("--repair", medium.repair,
+                 "Set NaN, infinite and negative voxels to 0, and albedos to the nearest in [0,1], instead of "
+                 "refusing them");
     app.add_option(
            "--albedo", a.albedo,
            "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid; "
            "takes the place of colours of --transfer")
         ->default_str(kDefaultAlbedo)
         ->type_name("A|grid:NAME");
+    app.add_option("--albedo-scale", medium.albedoScale, "Factor on the values of --albedo grid:NAME")
+        ->capture_default_str();
     app.add_option(
            "--g", medium.g,
            "Mean cosine of scattering (Henyey-Greenstein), in (-1,1): above 0 forwards, as in clouds; needs a grey "
@@ -175,13 +179,16 @@ struct Light {
     Color strength;
 };
 
+enum class Vector { direction, point };
+
 /// Three coordinates and a strength.
-Light parseLight(const std::string& text, const std::string& option, const std::string& example) {
+Light parseLight(const std::string& text, const std::string& option, const std::string& example, Vector kind) {
     const std::vector<std::string> parts = split(text, ',');
     if (parts.size() != 4)
         usageError(option, "'" + text + "': four values are needed, as in " + option + " " + example);
     Light light;
-    for (int i = 0; i < 3; ++i) light.vector[i] = parseNumber(parts[std::size_t(i)], option, example);
+    const std::string vector = parts[0] + "," + parts[1] + "," + parts[2];
+    light.vector = kind == Vector::direction ? parseDirection(vector, option) : parseVec3(vector, option);
     light.strength = parseStrength(parts[3], option, example);
     return light;
 }
@@ -199,8 +206,7 @@ bool namesGrid(const std::string& text) {
 std::vector<Sun> parseSuns(const LightArguments& a) {
     std::vector<Sun> suns;
     for (const std::string& text : a.suns) {
-        const Light light = parseLight(text, "--sun", "0.3,-1,0.2,3");
-        if (light.vector.length() == 0) usageError("--sun", "'" + text + "': the direction has no length");
+        const Light light = parseLight(text, "--sun", "0.3,-1,0.2,3", Vector::direction);
         suns.push_back({light.vector, light.strength});
     }
     return suns;
@@ -209,7 +215,7 @@ std::vector<Sun> parseSuns(const LightArguments& a) {
 std::vector<PointLight> parsePoints(const LightArguments& a) {
     std::vector<PointLight> points;
     for (const std::string& text : a.points) {
-        const Light light = parseLight(text, "--point", "0,0,5,100");
+        const Light light = parseLight(text, "--point", "0,0,5,100", Vector::point);
         points.push_back({light.vector, light.strength});
     }
     return points;
@@ -237,6 +243,23 @@ std::vector<QuadLight> parseQuads(const LightArguments& a) {
     return quads;
 }
 
+/// What is written: OUT.vdb and its snapshots.
+std::vector<std::string> outputsOf(const LightArguments& a, const std::string& output) {
+    constexpr int kMost = 10000;
+    std::vector<std::string> files{output};
+    for (int n = 1; a.snapshots > 0 && n <= std::min(kMost, a.options.sweeps / a.snapshots); ++n)
+        files.push_back(numberedName(output, n * a.snapshots));
+    return files;
+}
+
+/// Those of sky and transfer function are where their options are.
+void addFileRoles(CLI::App& app, const LightArguments& a) {
+    reads(app.get_option("input"));
+    writes(app.get_option("--output"), [&a](const std::string& output) { return outputsOf(a, output); });
+    writes(app.get_option("--plot"));
+    writes(app.get_option("--record"), recordFiles);
+}
+
 }  // namespace
 
 void addLightOptions(CLI::App& app, LightArguments& a) {
@@ -249,12 +272,13 @@ void addLightOptions(CLI::App& app, LightArguments& a) {
     addSolverOptions(app, a);
     addOutputOptions(app, a);
     addCommonOptions(app, a.common);
+    addFileRoles(app, a);
     app.footer("Example:\n  raysweep light smoke.vdb -o lit.vdb --extinction 0.12 --sun 0.3,-1,0.2,3 --sky 0.3\n");
 }
 
 void completeOptions(LightArguments& a, const CLI::App& command) {
     if (!a.explain || !a.output.empty()) requireFileOutput(a.output);
-    if (!a.record.empty()) requireRecordName(a.record, {a.input, a.output, a.common.reportFile, a.transfer.table});
+    if (!a.record.empty()) requireRecordName(a.record);
     IlluminateOptions& o = a.options;
     if (!a.quality.empty()) o.tolerance = kQualities.at(a.quality);
     if (a.tolerance) o.tolerance = *a.tolerance;
@@ -268,6 +292,8 @@ void completeOptions(LightArguments& a, const CLI::App& command) {
         medium.albedoGrid = gridName(a.albedo, "--albedo");
     else if (!a.albedo.empty())
         medium.albedo = parseColor(a.albedo, "--albedo");
+    if (command.count("--albedo-scale") > 0 && !namesGrid(a.albedo))
+        usageError("--albedo-scale", "is for --albedo grid:NAME");
     if (medium.albedo && !isGrey(*medium.albedo) && medium.g != 0)
         usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
     if (!a.emission.empty()) medium.emission = gridName(a.emission, "--emission");

@@ -5,6 +5,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/volume/color_volume.h"
 #include "raysweep/volume/grid_select.h"
@@ -28,16 +29,10 @@ namespace {
 const std::map<std::string, PhotoMethod> kMethods = {
     {"consistent", PhotoMethod::consistent}, {"fit", PhotoMethod::fit}, {"paper", PhotoMethod::paper}};
 
-void makeFolder(const std::string& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) throw IoError("cannot make the folder '" + folder + "': " + error.message());
-}
-
 void requireOutputs(const PhotoArguments& a) {
     requireWritable(a.output);
     if (!a.plot.empty()) requirePlot(a.plot);
-    if (!a.compareViews.empty()) makeFolder(a.compareViews);
+    if (!a.compareViews.empty()) makeOutputFolder(a.compareViews);
 }
 
 PhotographSets readSets(const PhotoArguments& a) {
@@ -151,6 +146,7 @@ void write(const PhotoArguments& a, const PhotographSets& sets, const ColorVolum
     const openvdb::GridPtrVec grids = gridsOf(volume);
     openvdb::GridCPtrVec written;
     for (const openvdb::GridBase::Ptr& grid : grids) {
+        requireFiniteResult(*grid, kTooLarge);
         setMeta(*grid, a, sets);
         grid->setSaveFloatAsHalf(a.half);
         if (const auto scalars = openvdb::gridPtrCast<openvdb::FloatGrid>(grid)) clamped += clampForHalf(*scalars);

@@ -181,7 +181,7 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
     a.findLight = a.light == "auto";
     if (a.findLight && a.lampStands) usageError("--fixed-light", "light that stands still cannot be found");
     if (!a.findLight) {
-        a.lightInWorld = parseVec3(a.light, "--light");
+        a.lightInWorld = parseDirection(a.light, "--light");
         if (!(a.lightInWorld->length() > 0)) usageError("--light", "must not be 0,0,0");
         if (!(a.shading.diffuse > 0)) usageError("--light", "needs --diffuse as well");
     }
@@ -203,6 +203,17 @@ void requireFittingMethod(const PhotoArguments& a) {
     if (a.refinePoses && a.sh > 0) usageError("--refine-poses", "does not go with --sh 1");
 }
 
+void addFileRoles(CLI::App& app) {
+    for (const char* name : {"input", "--images", "--test", "--reference"}) reads(app.get_option(name));
+    reads(app.get_option("--matting"), [](const std::string& text) -> std::vector<std::string> {
+        const std::string masks = "masks:";
+        if (text.rfind(masks, 0) != 0) return {};
+        return {text.substr(masks.size())};
+    });
+    for (const char* name : {"--output", "--plot"}) writes(app.get_option(name));
+    for (const char* name : {"--save-mattes", "--compare-views"}) fills(app.get_option(name));
+}
+
 }  // namespace
 
 void addPhotoOptions(CLI::App& app, PhotoArguments& a) {
@@ -210,6 +221,7 @@ void addPhotoOptions(CLI::App& app, PhotoArguments& a) {
     addMattingOptions(app, a);
     addMethodOptions(app, a);
     addCheckOptions(app, a);
+    addFileRoles(app);
     app.option_defaults()->group("Options");
     addCommonOptions(app, a.common);
 }

@@ -17,11 +17,12 @@ Json listOf(const Vec3& v) {
     return {v.x, v.y, v.z};
 }
 
-/// NaN becomes null in the file.
+/// What is not known is null.
 template <class Value>
 Json historyOf(const PhotoReconstruction& result, Value PhotoPoint::*value) {
     Json json = Json::array();
-    for (const PhotoPoint& point : result.history) json.push_back(point.*value);
+    for (const PhotoPoint& point : result.history)
+        json.push_back(std::isfinite(double(point.*value)) ? Json(point.*value) : Json(nullptr));
     return json;
 }
 
@@ -42,7 +43,7 @@ void addViews(Json& views, const PhotographSet& set, const PhotoQuality& quality
                      {"width", set.views[n].camera.width},
                      {"height", set.views[n].camera.height}};
         if (n < quality.views.size()) {
-            view["psnr"] = quality.views[n].psnr;
+            view["psnr"] = finiteOrNull(quality.views[n].psnr);
             view["ssim"] = quality.views[n].ssim;
             view["residual"] = quality.views[n].residual;
         }
@@ -60,11 +61,11 @@ Json meanOf(const Judgement& judgement, double PhotoQuality::*value) {
     double sum = 0;
     for (const PhotoQuality* set : {&held, &test})
         if (!set->views.empty()) sum += set->*value * double(set->views.size());
-    return sum / count;
+    return finiteOrNull(sum / count);
 }
 
 Json valueOf(const PhotoQuality& quality, double PhotoQuality::*value) {
-    return quality.views.empty() ? Json(nullptr) : Json(quality.*value);
+    return quality.views.empty() ? Json(nullptr) : finiteOrNull(quality.*value);
 }
 
 void addQuality(Json& json, const Judgement& judgement) {

@@ -1,7 +1,7 @@
 /// What a program's main() does, whatever its subcommands are.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "cli11.h"
 
 namespace raysweep::apps {
 

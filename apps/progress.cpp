@@ -3,19 +3,12 @@
 
 #include <unistd.h>
 #include <cerrno>
-#include <csignal>
 
 #include <algorithm>
 #include <cstdio>
 
 namespace raysweep::apps {
 namespace {
-
-volatile std::sig_atomic_t interruptSignal = 0;
-
-extern "C" void onInterrupt(int) {
-    interruptSignal = 1;
-}
 
 bool isTerminal() {
     return ::isatty(STDERR_FILENO) != 0;
@@ -55,21 +48,14 @@ void detail(const CommonOptions& options, const std::string& text) {
     if (options.verbose) message(options, text);
 }
 
-TerminalProgress::TerminalProgress(const CommonOptions& options) : drawing_(!options.quiet && isTerminal()) {
-    interruptSignal = 0;
-    struct sigaction action = {};
-    action.sa_handler = onInterrupt;
-    action.sa_flags = SA_RESTART | SA_RESETHAND;  // the second Ctrl-C finds the default, which kills
-    sigaction(SIGINT, &action, nullptr);
-}
+TerminalProgress::TerminalProgress(const CommonOptions& options) : drawing_(!options.quiet && isTerminal()) {}
 
 TerminalProgress::~TerminalProgress() {
     if (lastDrawn_ >= 0) clearLine();
-    std::signal(SIGINT, SIG_DFL);
 }
 
 bool TerminalProgress::interrupted() {
-    return interruptSignal != 0;
+    return StopRequests::made();
 }
 
 ProgressCallback TerminalProgress::callback() {

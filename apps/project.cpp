@@ -81,6 +81,7 @@ int run(const ProjectArguments& a) {
         return kInterrupted;
     }
     for (float& value : projections.values) value *= float(a.extinction);
+    requireFinite(projections.values, "the projections");
     const float thickest = *std::max_element(projections.values.begin(), projections.values.end());
     detect(projections, a.detector);
     const double seconds = timer.seconds();
@@ -90,6 +91,8 @@ int run(const ProjectArguments& a) {
     if (a.detector.photons > 0 && thickest > kDark)
         warning(a.common, "the largest line integral is " + brief(thickest, 3) +
                               ": no photon comes through; a lower --extinction makes it like a measured one (2 to 6)");
+    if (thickest == 0)
+        warning(a.common, "all line integrals are 0: the rays miss the volume, or there is nothing in it");
     detail(a.common, std::to_string(projections.views) + " views, largest line integral " + brief(thickest, 3));
     writeReport(a.common, report);
     return kDone;
@@ -120,6 +123,9 @@ void addProject(CLI::App& app, int& exitCode) {
                         "Round to 2^N levels between 0 and the largest value (default: not)");
     command->option_defaults()->group("Options");
     addCommonOptions(*command, a->common);
+    reads(command->get_option("volume"));
+    writes(command->get_option("--output"), [a](const std::string& path) { return projectionNames(path, a->scan); });
+    writes(command->get_option("--write-geometry"));
     command->callback([a, &exitCode] {
         completeOptions(*a);
         exitCode = run(*a);

@@ -4,6 +4,7 @@
 #include "render_source.h"
 
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/render.h"
 
@@ -70,6 +71,12 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->type_name("EV")
         ->capture_default_str();
     addCommonOptions(app, a.common);
+    reads(app.get_option("input"));
+    writes(app.get_option("--output"), [&a](const std::string& output) {
+        std::vector<std::string> files;
+        for (int frame = 1; frame <= a.turntable; ++frame) files.push_back(numberedName(output, frame));
+        return a.turntable ? files : std::vector<std::string>{output};
+    });
 }
 
 /// Fails now rather than after the rendering.
@@ -97,7 +104,7 @@ Camera lensFrom(const Arguments& a) {
     camera.width = parseSize(a.size)[0];
     camera.height = parseSize(a.size)[1];
     camera.fov = a.fov;
-    if (!a.up.empty()) camera.up = parseVec3(a.up, "--up");
+    if (!a.up.empty()) camera.up = parseDirection(a.up, "--up");
     if (a.orthoWidth) {
         camera.projection = Camera::Projection::Orthographic;
         camera.orthoWidth = *a.orthoWidth;
@@ -117,6 +124,7 @@ Camera place(Camera lens, const Arguments& a, const openvdb::GridBase& density) 
 }
 
 void writeFrame(const Arguments& a, const Image& image, int frame) {
+    requireFinite(image.pixels, "the picture");
     for (const std::string& output : a.outputs) {
         const std::string path = a.turntable ? numberedName(output, frame + 1) : output;
         writeImage(path, imageFormat(path) == ImageFormat::Png ? toneMap(image, a.exposure) : image);
@@ -188,12 +196,15 @@ int run(Arguments& a, const CLI::App& command) {
     for (; done < frames && complete; ++done) {
         const RenderResult result = render(volume, orbit(camera, 2 * kPi * done / frames), a.options, frameProgress);
         writeFrame(a, result.image, done);
+        commitRunOutputs();  // frames can be looked at as they come
         const std::array<double, 4> sums = channelSums(result.image);
         for (int c = 0; c < 4; ++c) mean[c] += sums[c] / (double(camera.width) * camera.height);
         seconds += result.seconds;
         complete = result.complete;
     }
     for (double& m : mean) m /= done;
+    if (complete && mean[3] == 0)
+        warning(a.common, "nothing of the volume is in the picture: it is out of view, empty or transparent");
     nlohmann::ordered_json json = describe(a, input, camera);
     json["seconds"] = seconds;
     json["mean"] = mean;

@@ -2,7 +2,9 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
+#include "raysweep/scan/projection_io.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace raysweep::apps {
@@ -76,7 +78,13 @@ void addScanOptions(CLI::App& app, ScanArguments& a) {
            "Point on the axis that the central ray passes (default: the middle of the volume; ct: of --initial or "
            "--reference, else 0,0,0)")
         ->type_name("X,Y,Z");
+    reads(app.get_option("--geometry"));
     app.option_defaults()->group("Options");
+}
+
+std::vector<std::string> projectionNames(const std::string& path, const ScanArguments& a) {
+    constexpr int kMost = 10000;
+    return projectionFiles(path, std::clamp(a.options.views, 1, kMost));
 }
 
 void completeScanOptions(ScanArguments& a) {

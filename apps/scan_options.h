@@ -30,6 +30,9 @@ void requireWhole(const ScanArguments& arguments);
 ScanGeometryOptions centeredAt(const Vec3& center, ScanGeometryOptions options);
 
 /// Projections are written as `.mha` or numbered `.exr`. @throw CLI::ValidationError
+/// The files that projections are written to, as far as that is known before a geometry file is read.
+std::vector<std::string> projectionNames(const std::string& path, const ScanArguments& arguments);
+
 void requireProjectionOutput(const std::string& path, const std::string& option);
 
 }  // namespace raysweep::apps

@@ -5,8 +5,8 @@
 
 #include "raysweep/camera/poses.h"
 #include "raysweep/core/error.h"
-#include "raysweep/core/output_file.h"
 #include "raysweep/core/output_folder.h"
+#include "raysweep/core/text_file.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/render/rig.h"
 
@@ -16,7 +16,6 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <regex>
@@ -93,6 +92,8 @@ void addOptions(CLI::App& app, Arguments& a) {
     app.add_option("--samples", a.rig.picture.samples, "Rays per pixel along each side: 2 means 2 x 2")
         ->capture_default_str();
     addRenderSource(app, a.source);
+    reads(app.get_option("input"));
+    fills(app.get_option("--output"), /*replaced=*/true);
     app.option_defaults()->group("Options");
     addCommonOptions(app, a.common);
 }
@@ -116,7 +117,7 @@ std::vector<Backdrop> parseBackdrops(const std::string& text) {
 void completeOptions(Arguments& a, const CLI::App& command) {
     a.cameras.orbit = a.orbit == "ring" ? RigOrbit::ring : RigOrbit::sphere;
     if (a.orbit == "sphere" && command.count("--arc") > 0) usageError("--arc", "is for --orbit ring only");
-    if (!a.up.empty()) a.cameras.up = parseVec3(a.up, "--up");
+    if (!a.up.empty()) a.cameras.up = parseDirection(a.up, "--up");
     if (!a.ortho.empty()) {
         a.cameras.projection = Camera::Projection::Orthographic;
         a.cameras.orthoWidth = a.ortho == "auto" ? 0 : parseNumber(a.ortho, "--ortho", "2.5 or auto");
@@ -125,7 +126,7 @@ void completeOptions(Arguments& a, const CLI::App& command) {
     const std::vector<int> size = parseWhole(a.size, "--size", 2, {1, 32768}, "640,480");
     a.cameras.width = size[0], a.cameras.height = size[1];
     a.rig.shading.ambient = a.ambient.value_or(std::max(0.0, 1 - a.rig.shading.diffuse));
-    if (!a.light.empty()) a.rig.shading.light = parseVec3(a.light, "--light");
+    if (!a.light.empty()) a.rig.shading.light = parseDirection(a.light, "--light");
     if (!a.light.empty() && !(a.rig.shading.diffuse > 0)) usageError("--light", "needs --diffuse as well");
     a.backdrops = parseBackdrops(a.backdrop);
     requireValid(command, [&] {
@@ -154,6 +155,7 @@ Pose writeView(const Arguments& a, const std::string& folder, std::size_t view, 
     pose.camera = photoCamera(a.rig.cameras[view]);
     const PhotoCamera first = photoCamera(a.rig.cameras.front());
     pose.camera.focalX = first.focalX, pose.camera.focalY = first.focalY;  // one lens, whatever the axes' rounding
+    requireFinite(picture.pixels, "a picture");
     for (const Backdrop& backdrop : a.backdrops) {
         const std::string path = (fs::path(folder) / numbered(a, view, backdrop)).string();
         writeImage(path, backdrop.color ? overBackdrop(picture, *backdrop.color) : picture);
@@ -197,12 +199,7 @@ nlohmann::ordered_json describeRig(const Arguments& a) {
 
 void writeRig(const std::string& folder, const Arguments& a, const Poses& poses) {
     writeTransforms((fs::path(folder) / kTransforms).string(), poses);
-    OutputFile file((fs::path(folder) / kRigFile).string());
-    std::ofstream out(file.temporary());
-    out << describeRig(a).dump(2) << "\n";
-    out.close();
-    if (!out) throw IoError("cannot write '" + a.output + "': writing failed; is the disk full?");
-    file.commit();
+    writeText((fs::path(folder) / kRigFile).string(), describeRig(a).dump(2) + "\n");
 }
 
 /// Cameras for the volume; says if it will be cut off.

@@ -35,9 +35,9 @@ SkyMapOptions mappingFrom(const SkyArguments& a) {
 }  // namespace
 
 void addSkyOptions(CLI::App& app, SkyArguments& a) {
-    app.add_option("--sky", a.sky,
-                   "Light from all around: its radiance, one number or R,G,B, or a lat-long picture of it, as in "
-                   "Blender's Environment Texture")
+    reads(app.add_option("--sky", a.sky,
+                         "Light from all around: its radiance, one number or R,G,B, or a lat-long picture of it, as in "
+                         "Blender's Environment Texture"))
         ->type_name("L|FILE.exr|.hdr");
     app.add_option("--sky-scale", a.scale, "Factor on --sky")->capture_default_str();
     app.add_option("--sky-up", a.up, "Axis that is up in the picture")

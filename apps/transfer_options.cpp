@@ -11,9 +11,10 @@ void addTransferOptions(CLI::App& app, TransferArguments& a, CLI::Option* extinc
                        "(default: 0.99) where it is HI or more")
             ->type_name("LO,HI[,ALPHA]")
             ->excludes(extinction);
-    app.add_option("--transfer", a.table,
-                   "The same with a table of points {\"value\": v, \"opacity\": a, \"color\": [r,g,b]}; colours, if "
-                   "there are any, are the albedo")
+    reads(app.add_option(
+              "--transfer", a.table,
+              "The same with a table of points {\"value\": v, \"opacity\": a, \"color\": [r,g,b]}; colours, if "
+              "there are any, are the albedo"))
         ->type_name("FILE.json")
         ->excludes(extinction)
         ->excludes(ramp);

@@ -72,8 +72,11 @@ void completeOptions(Arguments& a, const CLI::App& command) {
     if (!a.output.empty() && a.input.empty()) usageError("--output", "needs the volume that was lit as input");
     constexpr std::size_t kNumbers = 4;
     for (const std::string& sun : a.suns) {
-        const std::vector<double> n = parseNumbers(sun, "--sun", kNumbers, kNumbers, "0,0,-1,3");
-        a.light.suns.push_back({Vec3(n[0], n[1], n[2]), n[3]});
+        const std::size_t last = sun.rfind(',');
+        if (split(sun, ',').size() != kNumbers)
+            usageError("--sun", "'" + sun + "': four numbers are needed, as in 0,0,-1,3");
+        a.light.suns.push_back(
+            {parseDirection(sun.substr(0, last), "--sun"), parseNumber(sun.substr(last + 1), "--sun", "0,0,-1,3")});
     }
     a.light.seed = a.machine.common.seed;
     a.setup.pipelines = a.machine.pipelines;
@@ -126,6 +129,7 @@ void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid&
     grids.back()->setName("radiosity");
     grids.back()->insertMeta("raysweep_density", openvdb::StringMetadata("extinction"));
     grids.back()->insertMeta("raysweep_extinction", openvdb::DoubleMetadata(1));
+    for (auto own = grids.end() - 2; own != grids.end(); ++own) requireFiniteResult(**own, kTooLarge);
     writeVdb(a.output, {grids.begin(), grids.end()});
 }
 

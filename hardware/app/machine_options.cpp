@@ -15,6 +15,14 @@ namespace {
 
 constexpr int kMostPipelines = 1024;
 
+/// Of those that a subcommand has; they are called the same in all.
+void addFileRoles(CLI::App& app) {
+    if (CLI::Option* const input = app.get_option_no_throw("input")) reads(input);
+    if (CLI::Option* const replay = app.get_option_no_throw("--replay")) reads(replay, recordFiles);
+    if (CLI::Option* const output = app.get_option_no_throw("--output")) writes(output);
+    writes(app.get_option("--trace-picture"));
+}
+
 }  // namespace
 
 void addMachineOptions(CLI::App& app, MachineArguments& a) {
@@ -48,6 +56,7 @@ void addMachineOptions(CLI::App& app, MachineArguments& a) {
     app.add_option("--trace-picture", a.tracePicture, "The same as a picture, .svg (--trace says how many cycles)")
         ->type_name("FILE.svg");
     app.option_defaults()->group("Options");
+    addFileRoles(app);
 }
 
 void addPerspectiveOptions(CLI::App& app, MachineArguments& a) {

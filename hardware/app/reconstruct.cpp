@@ -54,6 +54,7 @@ void writeVolume(const std::string& path, const cube4::DenseField& field, const 
                  const openvdb::math::Transform& transform) {
     const auto volume = cube4::sparseGrid(field, box, transform);
     volume->setName("density");
+    requireFiniteResult(*volume, kTooLarge);
     writeVdb(path, {volume});
 }
 

@@ -117,9 +117,10 @@ nlohmann::ordered_json toJson(const Vec3& v) {
 cube4::Rendering rendered(const Arguments& a, const cube4::LitVolume& volume, nlohmann::ordered_json& same) {
     constexpr int kMostPixels = 1 << 14;
     const std::vector<int> size = parseWhole(a.size, "--size", 2, {1, kMostPixels}, "512,512");
-    const Vec3 up = parseVec3(a.up, "--up");
+    const Vec3 up = parseDirection(a.up, "--up");
     if (a.eye.empty()) {
-        const cube4::ParallelView view = cube4::viewOf(volume, parseVec3(a.direction, "--view"), up, size[0], size[1]);
+        const cube4::ParallelView view =
+            cube4::viewOf(volume, parseDirection(a.direction, "--view"), up, size[0], size[1]);
         const Vec3 middle = view.origin + view.column * (0.5 * (view.width - 1)) + view.row * (0.5 * (view.height - 1));
         same["target"] = toJson(middle);
         same["eye"] = toJson(middle - view.direction * (view.column.length() * (view.width + view.height)));
@@ -128,7 +129,7 @@ cube4::Rendering rendered(const Arguments& a, const cube4::LitVolume& volume, nl
     }
     const Vec3 eye = parseVec3(a.eye, "--eye");
     const Vec3 middle = volume.origin + Vec3(volume.box.size() - Index3(1)) * 0.5 * volume.box.worldFromIndex;
-    const Vec3 direction = a.direction.empty() ? middle - eye : parseVec3(a.direction, "--view");
+    const Vec3 direction = a.direction.empty() ? middle - eye : parseDirection(a.direction, "--view");
     same["target"] = toJson(eye + direction);
     same["eye"] = toJson(eye);
     same["fov"] = a.fov;
@@ -153,6 +154,7 @@ int run(Arguments& a) {
                          rendering.bytesPerModule, rendering.bufferBytes, timer.seconds()};
     showTrace(a.machine, trace);
     printUse("rendering", a.machine, use);
+    requireFinite(rendering.image.pixels, "the picture");
     const bool png = imageFormat(a.output) == ImageFormat::Png;
     writeImage(a.output, png ? toneMap(rendering.image, a.exposure) : rendering.image);
     nlohmann::ordered_json report = describeMachine(a.machine, use);

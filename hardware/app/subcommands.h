@@ -1,7 +1,7 @@
 /// The table of raysweep-cube4's subcommands.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "cli11.h"
 
 namespace raysweep::apps {
 

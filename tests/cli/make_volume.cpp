@@ -119,6 +119,17 @@ Grids turnedCloud() {
     return {cloud};
 }
 
+/// A voxel at an end of the range of coordinates.
+Grids withVoxelAt(const Coord& at) {
+    const FloatGrid::Ptr grid = density();
+    grid->tree().setValue(at, 1.0f);
+    return {grid};
+}
+
+Grids uniform(float value, double edge) {
+    return {filled<FloatGrid>("density", value, Transform::createLinearTransform(edge))};
+}
+
 const std::map<std::string, std::function<Grids()>> kMakers = {
     {"plain", [] { return Grids{density()}; }},
     {"materials", materials},
@@ -145,6 +156,16 @@ const std::map<std::string, std::function<Grids()>> kMakers = {
     {"nan", [] { return withVoxel(std::numeric_limits<float>::quiet_NaN()); }},
     {"infinite", [] { return withVoxel(std::numeric_limits<float>::infinity()); }},
     {"negative", [] { return withVoxel(-2); }},
+    {"black", [] { return uniform(0, 0.1); }},
+    {"at-int-max", [] { return withVoxelAt(Coord(std::numeric_limits<int>::max() - 3)); }},
+    {"at-int-min", [] { return withVoxelAt(Coord(std::numeric_limits<int>::min() + 3)); }},
+    {"far-apart", [] { return withVoxelAt(Coord(16000000, 0, 0)); }},
+    {"far-apart-diagonal", [] { return withVoxelAt(Coord(16000000, 15000000, 14000000)); }},
+    {"voxels-1e30", [] { return uniform(1, 1e30); }},
+    {"points-behind",
+     [] {
+         return Grids{density(), points().front()};
+     }},
     {"stretched",
      [] {
          return withMatrix({.1, 0, 0, 0, 0, .2, 0, 0, 0, 0, .05, 0, 1, 2, 3, 1});

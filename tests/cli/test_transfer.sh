@@ -135,7 +135,7 @@ refuse "it is a folder" --transfer .
 echo '[{"value": 0, "opacity": 0.5}, {"value": 1, "opacity": 1.5}]' >bad.json
 refuse "cannot read 'bad.json': point 2: opacity 1.5: must be in [0,1]" --transfer bad.json
 echo '[{"value": 0, "opacity"' >bad.json
-refuse "'bad.json': it is not JSON: parse error at line 2" --transfer bad.json
+refuse "'bad.json': it is not valid JSON: parse error at line 2" --transfer bad.json
 "$make_volume" frustum frustum.vdb
 expect_exit 1 "$raysweep" light frustum.vdb -o x.vdb --sky 1 --ramp 0,1
 expect_match "not linear"

@@ -1,6 +1,7 @@
 #include "raysweep/scene/lit_file.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/scene/extremes.h"
 #include "raysweep/volume/voxel_check.h"
 
 namespace raysweep {
@@ -56,6 +57,7 @@ std::vector<Clamped> writeLit(const std::string& path, const VdbFile& input, con
     openvdb::GridCPtrVec grids(input.grids.begin(), input.grids.end());
     if (made.origin.ownExtinction) {
         const auto extinction = extinctionGrid(made.scene.medium);
+        requireFiniteResult(*extinction, describeExtremes(made.scene));
         setMetadata(*extinction, made, record);
         grids.push_back(extinction);
     }

@@ -3,6 +3,7 @@
 #include "raysweep/core/require.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/scene/lit_file.h"
+#include "raysweep/volume/active_values.h"
 #include "raysweep/volume/classify.h"
 #include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
@@ -35,7 +36,7 @@ void note(std::vector<Repair>& repairs, const Repair& repair) {
 template <class Grid>
 typename Grid::Ptr repaired(const Grid& grid, std::vector<Repair>& repairs) {
     const typename Grid::Ptr copy = grid.deepCopy();
-    note(repairs, {grid.getName(), repairVoxels(*copy), true});
+    note(repairs, {grid.getName(), repairVoxels(*copy), Repair::Kind::negative});
     return copy;
 }
 
@@ -51,7 +52,7 @@ openvdb::FloatGrid::ConstPtr densityFrom(const VdbFile& file, const MediumOption
     if (!origin.classification) return repaired(*density, origin.repairs);
     // A transfer function gives negative values a meaning, too.
     const openvdb::FloatGrid::Ptr copy = density->deepCopy();
-    note(origin.repairs, {density->getName(), repairNotFinite(*copy), false});
+    note(origin.repairs, {density->getName(), repairNotFinite(*copy), Repair::Kind::notFinite});
     return copy;
 }
 
@@ -79,6 +80,19 @@ openvdb::GridBase::ConstPtr emissionFrom(const VdbFile& file, const MediumOption
     if (!options.repair) return emission;
     return withTypedGrid(
         *emission, [&](const auto& grid) -> openvdb::GridBase::ConstPtr { return repaired(grid, origin.repairs); });
+}
+
+/// Scaled first; what is outside of [0,1] then is repaired.
+openvdb::GridBase::ConstPtr albedoFrom(const VdbFile& file, const MediumOptions& options, SceneOrigin& origin) {
+    const openvdb::GridBase::ConstPtr albedo = forField("albedo", [&] { return selectGrid(file, options.albedoGrid); });
+    if (!options.repair && options.albedoScale == 1) return albedo;
+    return withTypedGrid(*albedo, [&](const auto& grid) -> openvdb::GridBase::ConstPtr {
+        const auto copy = grid.deepCopy();
+        const auto scale = float(options.albedoScale);
+        if (scale != 1) forEachActive(*copy, [&](auto& value, const openvdb::CoordBBox&) { value *= scale; });
+        if (options.repair) note(origin.repairs, {grid.getName(), clampAlbedo(*copy), Repair::Kind::fraction});
+        return copy;
+    });
 }
 
 /// Scattering by a phase function of mean cosine g becomes isotropic scattering in a similar medium.
@@ -135,6 +149,7 @@ void MediumOptions::validate() const {
     if (classification) classification->function.validate();
     for (int c = 0; albedo && c < 3; ++c)
         requireField((*albedo)[c] >= 0 && (*albedo)[c] <= 1, "albedo", (*albedo)[c], "in [0, 1]");
+    requireField(isFactor(albedoScale), "albedoScale", albedoScale, "finite and not negative");
     requireField(g > -1 && g < 1, "g", g, "in (-1, 1)");
     requireField(isFactor(emissionScale), "emissionScale", emissionScale, "finite and not negative");
 }
@@ -162,8 +177,7 @@ MediumFromFile mediumFrom(const VdbFile& file, const MediumOptions& options) {
     medium.density = densityFrom(grids, options, origin);
     medium.extinctionScale = options.extinction.value_or(1);
     medium.albedo = options.albedo.value_or(kAlbedo);
-    if (!options.albedoGrid.empty())
-        medium.albedoGrid = forField("albedo", [&] { return selectGrid(grids, options.albedoGrid); });
+    if (!options.albedoGrid.empty()) medium.albedoGrid = albedoFrom(grids, options, origin);
     if (origin.classification) classifyMedium(medium, options.albedo || medium.albedoGrid, origin);
     if (options.g != 0) makeIsotropic(medium, options.g, origin);
     if (!options.emission.empty()) medium.emission = emissionFrom(grids, options, origin);

@@ -23,7 +23,7 @@ struct Classification {
 struct MediumOptions {
     std::string density;    ///< grid that is lit, as selectDensity takes it; empty: "density", or the only scalar one
     bool levelSet = false;  ///< it is a level set, and its inside is lit
-    bool repair = false;    ///< voxels of density and emission that light transport cannot work with become 0
+    bool repair = false;    ///< voxels that light transport cannot work with become 0; albedos, the nearest in [0,1]
     /// Extinction per unit density, 1/world unit, finite and not negative. None: 1, and level sets that are not
     /// classified are solids of the ramp "0,1".
     std::optional<double> extinction;
@@ -31,6 +31,7 @@ struct MediumOptions {
     /// Single-scattering albedo, 1, in [0,1]. None: the colours of `classification`, or 0.9 where it has none.
     std::optional<Color> albedo;
     std::string albedoGrid;    ///< in place of `albedo`, as selectGrid takes it; empty: none
+    double albedoScale = 1;    ///< factor on the values of `albedoGrid`, finite and not negative
     double g = 0;              ///< mean cosine of scattering, 1, in (-1,1); other than 0 needs a grey albedo
     std::string emission;      ///< grid of emitted power density, W/world unit^3, as selectGrid takes it; empty: none
     double emissionScale = 1;  ///< factor on `emission`, finite and not negative
@@ -63,11 +64,16 @@ struct SceneOptions {
     void validate() const;
 };
 
-/// Voxels that were set to 0.
+/// Voxels that were changed.
 struct Repair {
+    enum class Kind {
+        notFinite,  ///< NaN and infinite ones became 0
+        negative,   ///< these and negative ones became 0
+        fraction    ///< those outside of [0,1] became the nearest in it, NaN 0
+    };
     std::string grid;
     std::size_t voxels = 0;
-    bool negativeToo = false;  ///< negative ones, besides those that are NaN or infinite
+    Kind kind = Kind::notFinite;
 };
 
 /// Suns that stand for bright parts of a sky map.

@@ -121,7 +121,7 @@ TEST(MediumFrom, RepairsACopyAndSaysWhat) {
     ASSERT_EQ(made.origin.repairs.size(), 1u);
     EXPECT_EQ(made.origin.repairs[0].grid, "smoke");
     EXPECT_EQ(made.origin.repairs[0].voxels, 2u);
-    EXPECT_TRUE(made.origin.repairs[0].negativeToo);
+    EXPECT_EQ(made.origin.repairs[0].kind, Repair::Kind::negative);
     EXPECT_EQ(made.medium.density->tree().getValue(Coord(1, 2, 3)), 0);
     EXPECT_EQ(smoke->tree().getValue(Coord(1, 2, 3)), -1);
     // A transfer function gives negative values a meaning.
@@ -129,7 +129,7 @@ TEST(MediumFrom, RepairsACopyAndSaysWhat) {
     const MediumFromFile classified = mediumFrom(fileOf({smoke}), options);
     ASSERT_EQ(classified.origin.repairs.size(), 1u);
     EXPECT_EQ(classified.origin.repairs[0].voxels, 1u);
-    EXPECT_FALSE(classified.origin.repairs[0].negativeToo);
+    EXPECT_EQ(classified.origin.repairs[0].kind, Repair::Kind::notFinite);
 }
 
 TEST(MediumFrom, MakesScatteringIsotropicBySimilarity) {
