@@ -38,6 +38,13 @@ void addFileOptions(CLI::App& app, Arguments& a) {
     app.add_option("--spacing", a.spacing, "World units from voxel to voxel (default: the file's, else 1)")
         ->type_name("X,Y,Z");
     app.add_option("--crop", a.crop, "Keep these voxels only, first to last")->type_name("I0,J0,K0,I1,J1,K1");
+    app.option_defaults()->group("Files that hold several");
+    app.add_option("--channel", a.options.channel,
+                   "Number per voxel to import, where there are several (colours, vectors, dyes), from 0")
+        ->type_name("N");
+    app.add_option("--volume-index", a.options.volumeIndex,
+                   "Volume to import, where there are several (instants, echoes, parts), from 0")
+        ->type_name("N");
     app.option_defaults()->group("Files without a header (raw)");
     app.add_option("--dims", a.dims, "Samples along x (fastest in the file), y and z")->type_name("X,Y,Z");
     app.add_option("--type", a.type, "Type of the samples: " + sampleTypeNames())->type_name("TYPE");
@@ -117,6 +124,7 @@ void comment(const Arguments& a, const ImportedVolume& volume, double activeVoxe
     if (a.normalize == "auto" && volume.scale != 1 && top > 0 && top < 0.125 && !a.options.scale && !a.options.offset)
         warning(a.common, "the largest value is " + brief(top, 3) + " of what " + nameOf(volume.type) +
                               " can hold; --normalize data maps the values that occur to [0,1]");
+    for (const std::string& note : volume.notes) warning(a.common, note);
     if (activeVoxels == 0) warning(a.common, "all voxels are background: the grid is empty");
     if (volume.range.notFinite > 0)
         warning(a.common, std::to_string(volume.range.notFinite) + " voxels that were no finite numbers were set to 0");
@@ -130,6 +138,8 @@ nlohmann::ordered_json describe(const ImportedVolume& volume, double seconds) {
             {"dims", list(volume.dims)},
             {"spacing", list(volume.spacing)},
             {"origin", list(volume.origin)},
+            {"unit", volume.unit},
+            {"notes", volume.notes},
             {"type", nameOf(volume.type)},
             {"range", {volume.range.min, volume.range.max}},
             {"scale", volume.scale},

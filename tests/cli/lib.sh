@@ -39,10 +39,10 @@ expect_no_leftovers() {
     [ -z "$found" ] || fail "left behind: $found"
 }
 
-# has_itk: this build has ITK, which reads NRRD and writes MetaImage. need_itk: without it the test ends here, as skipped.
+# has_itk: this build has ITK, which reads DICOM and writes MetaImage. need_itk: without it the test ends here, as skipped.
 has_itk() {
-    echo NRRD0004 >"$work/.itk.nrrd"
-    ! "$raysweep" import "$work/.itk.nrrd" -o "$work/.itk.vdb" 2>&1 | grep -q "has no ITK"
+    echo nothing >"$work/.itk.dcm"
+    ! "$raysweep" import "$work/.itk.dcm" -o "$work/.itk.vdb" 2>&1 | grep -q "has no ITK"
 }
 need_itk() {
     has_itk && return

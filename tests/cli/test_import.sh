@@ -11,6 +11,21 @@ open("a.nrrd", "wb").write(nrrd % b"raw" + labels)
 open("cut.nrrd", "wb").write(nrrd % b"raw" + labels[:-1])
 open("header.nrrd", "wb").write(nrrd.replace(b"uint8", b"word") % b"raw" + labels)
 open("a.raw", "wb").write(labels)
+open("rgb.nrrd", "wb").write(nrrd.replace(b"dimension: 3\nsizes: 4 4 5\nspacings: 1 2 3", b"dimension: 4\nsizes: 4 5 2 2") % b"raw"
+                             + labels)
+open("second.raw", "wb").write(labels[40:])
+meta = b"NDims = 3\nDimSize = 4 5 2\nElementType = MET_UCHAR\n"
+open("colour.mha", "wb").write(meta + b"ElementNumberOfChannels = 2\nElementDataFile = LOCAL\n" + labels)
+open("quantized.nrrd", "wb").write(nrrd.replace(b"encoding", b"old min: -1\nold max: 1\nencoding") % b"raw" + labels)
+open("printf.mhd", "wb").write(meta + b"ElementDataFile = %s%n%d 1 100000000 1\n")
+open("dimensions.mha", "wb").write(b"NDims = 1e300\n" + meta[10:] + b"ElementDataFile = LOCAL\n" + labels)
+open("line.nrrd", "wb").write(b"NRRD0004\n" + b"1.0 2.0 " * 1000 + b"\n")
+bomb = zlib.compressobj(9, zlib.DEFLATED, 31)
+open("bomb.nrrd", "wb").write(nrrd.replace(b"sizes: 4 4 5", b"sizes: 4000 4000 4000") % b"gzip"
+                              + bomb.compress(bytes(1 << 22)) + bomb.flush())
+open("large.nrrd", "wb").write(nrrd.replace(b"sizes: 4 4 5", b"sizes: 400000 400000 5") % b"raw" + labels)
+open("endless.nhdr", "wb").write(nrrd[:-1].replace(b"%s", b"raw\ndata file: /dev/zero"))
+open("itself.nhdr", "wb").write(nrrd[:-1].replace(b"%s", b"raw\ndata file: itself.nhdr"))
 open("swapped.raw", "wb").write(b"HEAD" + b"".join(struct.pack(">H", b) for b in labels))
 open("nan.raw", "wb").write(struct.pack("<8f", 1, 2, 3, float("nan"), 5, 6, 7, 8))
 
@@ -65,37 +80,73 @@ expect_match "--normalize data"
 expect_exit 0 "$raysweep" import nan.raw --dims 2,2,2 --type float -o repaired.vdb --repair --report nan.json
 expect_json nan.json "r['voxels_repaired'] == 1 and r['voxels_active'] == 7"
 
-# Formats that need ITK.
-if has_itk; then
-    expect_exit 0 "$raysweep" import a.nrrd -o nrrd.vdb --report nrrd.json
-    expect_json nrrd.json "r['format'] == 'NRRD' and r['dims'] == [4, 4, 5] and r['spacing'] == [1, 2, 3]"
-    expect_exit 0 "$raysweep" $raw -o a.vdb --spacing 1,2,3
-    expect_exit 0 "$raysweep" compare nrrd.vdb a.vdb --max-rms 0
-    expect_exit 1 "$raysweep" import cut.nrrd -o bad.vdb
-    expect_match "'cut.nrrd': in its data"
-    expect_exit 1 "$raysweep" import header.nrrd -o bad.vdb
-    expect_match "word"
-    engine=$data/volumes/engine.nrrd
-    if [ -f "$engine" ]; then
-        python3 -c "
+# Formats with a header.
+expect_exit 0 "$raysweep" import a.nrrd -o nrrd.vdb --report nrrd.json
+expect_json nrrd.json "r['format'] == 'NRRD' and r['dims'] == [4, 4, 5] and r['spacing'] == [1, 2, 3]"
+expect_exit 0 "$raysweep" $raw -o a.vdb --spacing 1,2,3
+expect_exit 0 "$raysweep" compare nrrd.vdb a.vdb --max-rms 0
+expect_exit 1 "$raysweep" import cut.nrrd -o bad.vdb
+expect_match "'cut.nrrd': its data end too early: 80 bytes of samples are needed, there are 79"
+expect_exit 1 "$raysweep" import header.nrrd -o bad.vdb
+expect_match "word"
+engine=$data/volumes/engine.nrrd
+if [ -f "$engine" ]; then
+    python3 -c "
 import gzip, sys
 data = open(sys.argv[1], 'rb').read()
 samples = gzip.decompress(data[data.index(b'\n\n') + 2:])
 open('engine.raw', 'wb').write(samples)
 print(sum(1 for s in samples if s), max(samples))" "$engine" >engine.txt
-        read -r active top <engine.txt
-        expect_exit 0 "$raysweep" import "$engine" -o engine.vdb --report engine.json
-        expect_json engine.json "r['dims'] == [256, 256, 128] and r['voxels_active'] == $active and r['range'] == [0, $top]"
-        expect_exit 0 "$raysweep" import engine.raw --dims 256,256,128 --type uint8 -o raw.vdb
-        expect_exit 0 "$raysweep" compare engine.vdb raw.vdb --max-rms 0
-    else
-        echo "engine.nrrd is not on this machine: not tested with it"
-    fi
+    read -r active top <engine.txt
+    expect_exit 0 "$raysweep" import "$engine" -o engine.vdb --report engine.json
+    expect_json engine.json "r['dims'] == [256, 256, 128] and r['voxels_active'] == $active and r['range'] == [0, $top]"
+    expect_exit 0 "$raysweep" import engine.raw --dims 256,256,128 --type uint8 -o raw.vdb
+    expect_exit 0 "$raysweep" compare engine.vdb raw.vdb --max-rms 0
 else
-    expect_exit 1 "$raysweep" import a.nrrd -o nrrd.vdb
-    expect_match "has no ITK"
-    echo "this build has no ITK: its formats are not tested"
+    echo "engine.nrrd is not on this machine: not tested with it"
 fi
+if ! has_itk; then
+    echo nothing >a.dcm
+    expect_exit 1 "$raysweep" import a.dcm -o bad.vdb
+    expect_match "has no ITK"
+fi
+
+# A file that holds several channels or volumes is refused with the list of them; options choose one.
+expect_exit 1 "$raysweep" import rgb.nrrd -o bad.vdb
+expect_match "'rgb.nrrd' holds 2 volumes of 4x5x2"
+expect_match "choose one by --volume-index: 0 to 1"
+expect_exit 1 "$raysweep" import rgb.nrrd -o bad.vdb --volume-index 1 --channel 2
+expect_match "--channel 2: 'rgb.nrrd' holds one, which has the number 0"
+expect_exit 0 "$raysweep" import rgb.nrrd -o second.vdb --volume-index 1
+expect_exit 0 "$raysweep" import second.raw --dims 4,5,2 --type uint8 -o raw.vdb
+expect_exit 0 "$raysweep" compare second.vdb raw.vdb --max-rms 0
+expect_exit 1 "$raysweep" import colour.mha -o bad.vdb
+expect_match "'colour.mha' holds 2 channels, but a volume needs one number per voxel; choose one by --channel: 0 to 1"
+expect_exit 0 "$raysweep" import colour.mha -o odd.vdb --channel 1 --normalize none --report odd.json
+expect_json odd.json "r['range'] == [2, 80] and r['unit'] == 'mm' and r['notes'] == []"
+expect_exit 2 "$raysweep" import colour.mha -o bad.vdb --channel=-1
+expect_match "--channel -1: must be 0 or larger"
+expect_exit 1 "$raysweep" import a.raw --dims 4,4,5 --type uint8 --volume-index 1 -o bad.vdb
+expect_match "--volume-index 1"
+
+# What must not pass without a word is said, and is in the report.
+expect_exit 0 "$raysweep" import quantized.nrrd -o a.vdb --report a.json
+expect_match "old min"
+expect_json a.json "len(r['notes']) == 1"
+
+# Files that are not to be trusted: soon, and in little memory.
+ln -s /dev/zero zero.nrrd && ln -s /dev/zero zero.mha && ln -s /dev/zero zero.nii && ln -s /dev/zero zero.dcm
+ln -s /dev/zero zero.tif && ln -s /dev/zero zero.raw && ln -s /dev/zero zero.exr && mkfifo pipe.nrrd
+for file in zero.nrrd zero.mha zero.nii zero.dcm zero.tif zero.exr pipe.nrrd; do
+    expect_exit 1 timeout 20 "$raysweep" import $file -o bad.vdb
+    expect_match "it is a device or a pipe"
+done
+expect_exit 1 timeout 20 "$raysweep" import zero.raw --dims 4,4,4 --type uint8 -o bad.vdb
+expect_match "it is a device or a pipe"
+for file in printf.mhd dimensions.mha line.nrrd bomb.nrrd large.nrrd endless.nhdr itself.nhdr; do
+    expect_exit 1 timeout 20 "$raysweep" import $file -o bad.vdb
+    expect_match "cannot read '$file'"
+done
 
 # What cannot be imported.
 expect_exit 1 "$raysweep" import missing.nrrd -o bad.vdb

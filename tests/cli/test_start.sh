@@ -28,8 +28,8 @@ expect_match "cannot write 'b.png': only EXR pictures can be used: '$work/moved/
 expect_no_leftovers .
 expect_exit 1 moved/raysweep compare a.png a.exr
 expect_match "cannot read 'a.png': only EXR pictures can be used"
-echo NRRD0004 >a.nrrd
-expect_exit 1 moved/raysweep import a.nrrd -o b.vdb
+echo nothing >a.dcm
+expect_exit 1 moved/raysweep import a.dcm -o b.vdb
 expect_match "this build of Raysweep has no ITK"
 expect_exit 0 moved/raysweep render lit.vdb -o b.exr --size 8,8
 

@@ -1,5 +1,6 @@
 #include "support/volume_files.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <stdexcept>
@@ -17,10 +18,8 @@ void put(std::string& bytes, std::size_t at, Number value) {
     bytes.replace(at, sizeof value, little(value));
 }
 
-/// A DICOM data element with an explicit value representation of the short form.
-std::string element(std::uint16_t group, std::uint16_t number, const std::string& vr, std::string value) {
-    if (value.size() % 2) value += vr == "UI" ? '\0' : ' ';
-    return little(group) + little(number) + vr + little(std::uint16_t(value.size())) + value;
+std::string element(std::uint16_t group, std::uint16_t number, const std::string& vr, const std::string& value) {
+    return dicomElement(group, number, vr, value);
 }
 
 std::string element(std::uint16_t group, std::uint16_t number, int value) {
@@ -32,18 +31,19 @@ std::string placeElements(const DicomImage& image) {
                         element(0x20, 0x13, "IS", std::to_string(image.number));
     if (!image.position.empty()) bytes += element(0x20, 0x32, "DS", image.position);
     if (!image.orientation.empty()) bytes += element(0x20, 0x37, "DS", image.orientation);
-    return bytes;
+    return bytes + image.relation;
 }
 
 std::string pixelElements(const DicomImage& image) {
     const bool color = image.channels == 3;
     std::string bytes = element(0x28, 0x2, image.channels);
-    bytes += element(0x28, 0x4, "CS", color ? "RGB" : "MONOCHROME2");
+    bytes += element(0x28, 0x4, "CS", color ? "RGB" : image.photometric);
     if (color) bytes += element(0x28, 0x6, 0);
+    if (image.frames > 1) bytes += element(0x28, 0x8, "IS", std::to_string(image.frames));
     bytes += element(0x28, 0x10, image.rows) + element(0x28, 0x11, image.columns);
     bytes += element(0x28, 0x30, "DS", image.spacing);
-    bytes += element(0x28, 0x100, 16) + element(0x28, 0x101, 16) + element(0x28, 0x102, 15);
-    bytes += element(0x28, 0x103, image.isSigned ? 1 : 0);
+    bytes += element(0x28, 0x100, 16) + element(0x28, 0x101, image.bitsStored) + element(0x28, 0x102, image.highBit);
+    bytes += element(0x28, 0x103, image.isSigned ? 1 : 0) + image.pixels;
     bytes += element(0x28, 0x1052, "DS", image.intercept) + element(0x28, 0x1053, "DS", image.slope);
     const std::string pixels = bytesOf(image.samples);
     return bytes + little(std::uint16_t(0x7fe0)) + little(std::uint16_t(0x10)) + "OW" + std::string(2, '\0') +
@@ -56,6 +56,11 @@ void writeFile(const std::string& path, const std::string& header, const std::st
     std::ofstream out(path, std::ios::binary);
     out << header << bytes;
     if (!out.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+std::string dicomElement(std::uint16_t group, std::uint16_t number, const std::string& vr, std::string value) {
+    if (value.size() % 2) value += vr == "UI" ? '\0' : ' ';
+    return little(group) + little(number) + vr + little(std::uint16_t(value.size())) + value;
 }
 
 std::string niftiBytes(const NiftiImage& image) {
@@ -86,33 +91,51 @@ std::string dicomBytes(const DicomImage& image) {
     const std::string meta =
         element(2, 2, "UI", ct) + element(2, 3, "UI", instance) + element(2, 0x10, "UI", explicitLittle);
     return std::string(128, '\0') + "DICM" + element(2, 0, "UL", little(std::uint32_t(meta.size()))) + meta +
-           element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", instance) + element(8, 0x60, "CS", "CT") +
-           element(8, 0x103e, "LO", image.description) + placeElements(image) + pixelElements(image);
+           element(8, 0x8, "CS", image.type) + element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", instance) +
+           element(8, 0x60, "CS", "CT") + element(8, 0x103e, "LO", image.description) + image.acquisition +
+           placeElements(image) + pixelElements(image);
 }
 
-std::string tiffBytes(int width, int height, const std::vector<std::vector<std::uint16_t>>& pages) {
-    std::string bytes = "II*" + std::string(1, '\0') + std::string(4, '\0');
+TiffField::TiffField(std::uint16_t tag, std::uint32_t value) : tag(tag), type(4), count(1), bytes(little(value)) {}
+
+std::vector<TiffField> tiffFields(int width, int height, int bits, int photometric, int format) {
+    const auto whole = [](int value) { return std::uint32_t(value); };
+    return {
+        {256, whole(width)},  {257, whole(height)}, {258, whole(bits)}, {259, 1}, {262, whole(photometric)}, {277, 1},
+        {278, whole(height)}, {339, whole(format)}};
+}
+
+TiffField tiffDescription(const std::string& text) {
+    return TiffField(270, 2, std::uint32_t(text.size() + 1), text + std::string(1, '\0'));
+}
+
+std::string tiffBytes(const std::vector<TiffPage>& pages) {
+    std::string bytes = "II*" + std::string(5, '\0');
     std::size_t link = 4;  // where the offset of the next directory goes
-    for (const auto& page : pages) {
-        const auto data = std::uint32_t(bytes.size());
-        bytes += bytesOf(page);
+    for (TiffPage page : pages) {
+        page.fields.emplace_back(273, std::uint32_t(bytes.size()));
+        page.fields.emplace_back(279, std::uint32_t(page.data.size()));
+        std::sort(page.fields.begin(), page.fields.end(), [](const auto& a, const auto& b) { return a.tag < b.tag; });
+        bytes += page.data;
+        std::string directory = little(std::uint16_t(page.fields.size()));
+        for (const TiffField& field : page.fields) {
+            directory += little(field.tag) + little(field.type) + little(field.count);
+            directory += field.bytes.size() > 4 ? little(std::uint32_t(bytes.size())) : field.bytes;
+            directory.resize(2 + 12 * ((directory.size() - 2 + 11) / 12), '\0');
+            if (field.bytes.size() > 4) bytes += field.bytes;
+        }
         put(bytes, link, std::uint32_t(bytes.size()));
-        const std::uint32_t entries[][2] = {{256, std::uint32_t(width)},
-                                            {257, std::uint32_t(height)},
-                                            {258, 16},
-                                            {259, 1},
-                                            {262, 1},
-                                            {273, data},
-                                            {277, 1},
-                                            {278, std::uint32_t(height)},
-                                            {279, std::uint32_t(2 * page.size())}};
-        bytes += little(std::uint16_t(std::size(entries)));
-        for (const auto& [tag, value] : entries)
-            bytes += little(std::uint16_t(tag)) + little(std::uint16_t(4)) + little(std::uint32_t(1)) + little(value);
+        bytes += directory;
         link = bytes.size();
         bytes += std::string(4, '\0');
     }
     return bytes;
+}
+
+std::string tiffBytes(int width, int height, const std::vector<std::vector<std::uint16_t>>& pages) {
+    std::vector<TiffPage> all;
+    for (const auto& page : pages) all.push_back({tiffFields(width, height, 16), bytesOf(page)});
+    return tiffBytes(all);
 }
 
 }  // namespace raysweep::test

@@ -23,6 +23,12 @@ std::string bytesOf(const std::vector<Sample>& samples, bool bigEndian = false) 
     return bytes;
 }
 
+/// Writes a number over what stands at `place`, little endian: to change a field of a header.
+template <class Number>
+void poke(std::string& bytes, std::size_t place, Number number) {
+    std::memcpy(bytes.data() + place, &number, sizeof number);
+}
+
 /// NIfTI-1, int16, one file. `rows`: the sform, x' y' z' (RAS) from (i, j, k, 1).
 struct NiftiImage {
     std::vector<int> dims;  ///< three, or four
@@ -31,6 +37,9 @@ struct NiftiImage {
     float slope = 0, intercept = 0;  ///< slope 0: samples are not rescaled
 };
 std::string niftiBytes(const NiftiImage& image);
+
+/// A DICOM data element with an explicit value representation of the short form.
+std::string dicomElement(std::uint16_t group, std::uint16_t number, const std::string& vr, std::string value);
 
 /// An image of a CT series: 16 bit, explicit VR, little endian.
 struct DicomImage {
@@ -43,8 +52,34 @@ struct DicomImage {
     std::string position = "0\\0\\0", orientation = "1\\0\\0\\0\\1\\0";  ///< empty: not said
     std::string spacing = "1\\1";                                        ///< between rows, between columns, mm
     std::string slope = "1", intercept = "0";
+    std::string photometric = "MONOCHROME2", type = "ORIGINAL\\PRIMARY";
+    int bitsStored = 16, highBit = 15, frames = 1;
+    std::string acquisition;  ///< elements of group 18
+    std::string relation;     ///< elements of group 20, from (20,100) on
+    std::string pixels;       ///< elements of group 28, from (28,104) to (28,1050)
 };
 std::string dicomBytes(const DicomImage& image);
+
+/// A TIFF field: its values as bytes, or the one value of a LONG.
+struct TiffField {
+    std::uint16_t tag, type;
+    std::uint32_t count;
+    std::string bytes;
+    TiffField(std::uint16_t tag, std::uint32_t value);
+    TiffField(std::uint16_t tag, std::uint16_t type, std::uint32_t count, const std::string& bytes)
+        : tag(tag), type(type), count(count), bytes(bytes) {}
+};
+/// One directory, by its fields but those of where the data are, and data of one strip.
+struct TiffPage {
+    std::vector<TiffField> fields;
+    std::string data;
+};
+/// Little endian.
+std::string tiffBytes(const std::vector<TiffPage>& pages);
+/// Fields of a page of one sample per pixel, in one strip, without compression.
+std::vector<TiffField> tiffFields(int width, int height, int bits, int photometric = 1, int format = 1);
+/// What a page says about itself.
+TiffField tiffDescription(const std::string& text);
 
 /// Grey TIFF, not compressed, of one page or more.
 std::string tiffBytes(int width, int height, const std::vector<std::vector<std::uint16_t>>& pages);

@@ -3,38 +3,27 @@
 #include "raysweep/formats/dicom_header.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/formats/dicom_frames.h"
+#include "raysweep/formats/read_failure.h"
 
 #include <dcmtk/config/osconfig.h>  // must come first
 
 #include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/oflog/oflog.h>
 
-#include <cstdint>
-#include <cstdlib>
+#include <cstring>
 #include <fstream>
-#include <sstream>
 
 namespace raysweep {
 namespace {
 
-std::string textOf(DcmDataset& data, const DcmTagKey& tag) {
-    OFString value;
-    return data.findAndGetOFStringArray(tag, value).good() ? std::string(value.c_str()) : std::string();
-}
-
-/// Numbers separated by backslashes.
-std::vector<double> numbersOf(const std::string& text) {
-    std::istringstream parts(text);
-    std::vector<double> numbers;
-    for (std::string part; std::getline(parts, part, '\\');) numbers.push_back(std::strtod(part.c_str(), nullptr));
-    return numbers;
-}
-
 /// The first part of a file, its meta information, has elements of group 2 one after the other. DCMTK forgives what is
-/// wrong with them, GDCM does not.
-bool hasSoundMeta(const std::string& file) {
+/// wrong with them, GDCM does not. Files without a mark, older than it, begin with the data.
+bool hasSoundStart(const std::string& file) {
     std::ifstream in(file, std::ios::binary);
-    in.seekg(132);
+    char start[132] = {};
+    in.read(start, sizeof start);
+    if (!in || std::memcmp(start + 128, "DICM", 4) != 0) return start[0] == 8 && start[1] == 0 && start[3] == 0;
     for (std::uint16_t tag[2]; in.read(reinterpret_cast<char*>(tag), 4) && tag[0] == 2;) {
         char type[3] = {};
         in.read(type, 2);
@@ -49,34 +38,101 @@ bool hasSoundMeta(const std::string& file) {
     return bool(in);
 }
 
+int wholeOf(DcmItem& data, const DcmTagKey& tag, int otherwise, const std::string& file) {
+    const std::string text = dicomText(data, tag);
+    if (text.empty()) return otherwise;
+    const std::vector<double> numbers = dicomNumbers(data, tag, file);
+    if (numbers.empty() || !(numbers[0] >= 0 && numbers[0] <= 1e9))
+        failRead(file, "in its header: " + std::string(DcmTag(tag).getTagName()) + " '" + text.substr(0, 60) +
+                           "' makes no sense");
+    return int(numbers[0]);
+}
+
+DicomPixels pixelsOf(DcmDataset& data, const std::string& file) {
+    const auto whole = [&](const DcmTagKey& tag, int otherwise) { return wholeOf(data, tag, otherwise, file); };
+    DicomPixels pixels;
+    pixels.columns = whole(DCM_Columns, 0);
+    pixels.rows = whole(DCM_Rows, 0);
+    pixels.frames = whole(DCM_NumberOfFrames, 1);
+    pixels.channels = whole(DCM_SamplesPerPixel, 1);
+    pixels.bitsAllocated = whole(DCM_BitsAllocated, 0);
+    pixels.bitsStored = whole(DCM_BitsStored, pixels.bitsAllocated);
+    pixels.highBit = whole(DCM_HighBit, pixels.bitsStored - 1);
+    pixels.isSigned = whole(DCM_PixelRepresentation, 0) == 1;
+    pixels.photometric = dicomText(data, DCM_PhotometricInterpretation);
+    while (!pixels.photometric.empty() && pixels.photometric.back() == ' ') pixels.photometric.pop_back();
+    const auto padding = dicomNumbers(data, DCM_PixelPaddingValue, file);
+    const auto limit = dicomNumbers(data, DCM_PixelPaddingRangeLimit, file);
+    if (!padding.empty()) {
+        pixels.padding = std::int64_t(padding[0]);
+        pixels.paddingLimit = limit.empty() ? *pixels.padding : std::int64_t(limit[0]);
+    }
+    return pixels;
+}
+
+/// What there is room for: pixels that are not compressed tell how many bytes they have.
+void requireSound(DcmDataset& data, const DicomPixels& pixels, const std::string& file) {
+    const auto fail = [&](const std::string& why) { failRead(file, "in its header: " + why); };
+    if (pixels.columns < 1 || pixels.rows < 1 || pixels.frames < 1 || pixels.channels < 1 || pixels.channels > 4)
+        fail("it promises no pixels");
+    if (pixels.bitsAllocated != 8 && pixels.bitsAllocated != 16 && pixels.bitsAllocated != 32)
+        throw InvalidArgument("'" + file + "' has pixels of " + std::to_string(pixels.bitsAllocated) +
+                              " bits, which cannot be read; convert them to 8, 16 or 32 bits");
+    if (pixels.bitsStored < 1 || pixels.highBit >= pixels.bitsAllocated || pixels.highBit < pixels.bitsStored - 1)
+        fail("bits allocated, bits stored and the high bit contradict each other");
+    const double needed =
+        double(pixels.columns) * pixels.rows * pixels.frames * pixels.channels * (pixels.bitsAllocated / 8);
+    DcmElement* element = nullptr;
+    const bool packed = DcmXfer(data.getOriginalXfer()).isEncapsulated();
+    if (data.findAndGetElement(DCM_PixelData, element).bad() || element == nullptr) fail("it has no pixels");
+    if (!packed && double(element->getLength()) < needed)
+        failRead(file, "its pixels end early: " + std::to_string(std::uint64_t(needed)) +
+                           " bytes are needed, there are " + std::to_string(element->getLength()));
+}
+
+/// What would make other numbers of the pixels.
+void requireNumbers(DcmDataset& data, const DicomPixels& pixels, const std::string& file) {
+    const auto refuse = [&](const std::string& why) { throw InvalidArgument("'" + file + "' " + why); };
+    const bool grey = pixels.photometric == "MONOCHROME1" || pixels.photometric == "MONOCHROME2";
+    if (pixels.channels == 1 && !grey && !pixels.photometric.empty())
+        refuse("has pixels that are " + pixels.photometric.substr(0, 20) +
+               ", not numbers that were measured; convert it to MONOCHROME2");
+    if (pixels.channels > 1 && pixels.photometric != "RGB")
+        refuse("is in colour (" + pixels.photometric.substr(0, 20) + "); convert it to RGB, or to MONOCHROME2");
+    if (dicomText(data, DCM_ImageType).find("MOSAIC") != std::string::npos)
+        refuse("is a mosaic: one picture with all slices side by side; convert it to NIfTI, or to a picture per slice");
+    if (data.tagExists(DCM_ModalityLUTSequence))
+        refuse("has a table (Modality LUT) that makes numbers of its pixels, which cannot be used; apply it first");
+}
+
 }  // namespace
 
 DicomHeader readDicomHeader(const std::string& file) {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
     DcmFileFormat format;
-    const OFCondition read = format.loadFile(file.c_str());
-    if (read.bad() || !hasSoundMeta(file))
-        throw IoError("cannot read '" + file + "': it is not DICOM, is malformed, or ends early" +
-                      (read.bad() ? std::string(" (") + read.text() + ")" : ""));
+    const bool sound = hasSoundStart(file);
+    const OFCondition read = sound ? format.loadFile(file.c_str()) : EC_InvalidStream;
+    if (read.bad())
+        failRead(file, "it is not DICOM, is malformed, or ends early" +
+                           (sound ? std::string(" (") + read.text() + ")" : std::string()));
     DcmDataset& data = *format.getDataset();
 
     DicomHeader header;
     header.file = file;
-    header.image = !textOf(data, DCM_Rows).empty() && data.tagExists(DCM_PixelData);
-    if (header.image && std::atoi(textOf(data, DCM_SamplesPerPixel).c_str()) > 1)
-        throw InvalidArgument("'" + file + "' is in colour (" + textOf(data, DCM_SamplesPerPixel) +
-                              " samples per pixel), but a volume needs one number per voxel");
-    header.series = textOf(data, DCM_SeriesInstanceUID);
-    header.description = textOf(data, DCM_SeriesDescription);
-    header.number = std::strtod(textOf(data, DCM_InstanceNumber).c_str(), nullptr);
-    const std::vector<double> position = numbersOf(textOf(data, DCM_ImagePositionPatient));
-    const std::vector<double> axes = numbersOf(textOf(data, DCM_ImageOrientationPatient));
-    if (position.size() == 3 && axes.size() == 6) {
-        header.position = Vec3(position[0], position[1], position[2]);
-        header.axes = axes;
-    }
-    for (const DcmTagKey& tag : {DCM_RescaleSlope, DCM_RescaleIntercept, DCM_BitsAllocated, DCM_PixelRepresentation})
-        header.coding += textOf(data, tag) + "/";
+    header.series = dicomText(data, DCM_SeriesInstanceUID);
+    header.description = dicomText(data, DCM_SeriesDescription);
+    header.image = !dicomText(data, DCM_Rows).empty() && data.tagExists(DCM_PixelData);
+    if (data.tagExists(DCM_FloatPixelData) || data.tagExists(DCM_DoubleFloatPixelData))
+        throw InvalidArgument("'" + file + "' has pixels that are floats, which cannot be read; convert it to NIfTI");
+    if (!header.image) return header;
+    header.pixels = pixelsOf(data, file);
+    requireSound(data, header.pixels, file);
+    requireNumbers(data, header.pixels, file);
+    header.frames = dicomFrames(data, file, header.pixels.frames);
+    if (header.pixels.photometric == "MONOCHROME1")
+        header.notes.push_back("its large numbers are shown dark (MONOCHROME1); they were taken as they are");
+    if (data.tagExists(DCM_RealWorldValueMappingSequence) && header.frames.front().rescaling.isNone())
+        header.notes.push_back("it has a mapping to real-world values, which was not applied");
     return header;
 }
 

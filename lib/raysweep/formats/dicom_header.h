@@ -1,25 +1,51 @@
-/// What the headers of DICOM files say. Nothing but itk_dicom.cpp includes it.
+/// What the headers of DICOM files say. For the module that reads DICOM.
 #pragma once
 
 #include "raysweep/core/types.h"
+#include "raysweep/formats/rescale.h"
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace raysweep {
 
+/// One picture: a file, or a frame of one.
+struct DicomFrame {
+    std::string file;
+    int index = 0;             ///< of the frame in its file
+    double number = 0;         ///< InstanceNumber
+    Vec3 position{0};          ///< of its first pixel, mm, LPS
+    std::vector<double> axes;  ///< directions of rows and columns, six numbers; none: it does not say its place
+    double columnSpacing = 1, rowSpacing = 1;  ///< mm, from column to column and from row to row
+    Rescaling rescaling;
+    /// What tells pictures of one place apart: echo, instant ..., as the header says them; empty where it does not.
+    std::map<std::string, std::string> traits;
+};
+
+/// What is the same for all pixels of a file.
+struct DicomPixels {
+    int columns = 0, rows = 0, frames = 1, channels = 1;
+    int bitsAllocated = 16, bitsStored = 16, highBit = 15;
+    bool isSigned = false;
+    std::string photometric;              ///< MONOCHROME2, RGB ...
+    std::optional<std::int64_t> padding;  ///< PixelPaddingValue, of pixels that were not measured
+    std::int64_t paddingLimit = 0;        ///< the other end of its range
+};
+
 struct DicomHeader {
     std::string file;
     bool image = false;               ///< it holds pixels; reports, presentation states and the like do not
     std::string series, description;  ///< SeriesInstanceUID, SeriesDescription
-    Vec3 position{0};                 ///< of its first pixel, mm, LPS
-    std::vector<double> axes;         ///< directions of rows and columns, six numbers; none: it does not say its place
-    double number = 0;                ///< InstanceNumber
-    std::string coding;               ///< all that decides which type its rescaled values have
+    DicomPixels pixels;
+    std::vector<DicomFrame> frames;
+    std::vector<std::string> notes;
 };
 
 /// @throw IoError if the file is not DICOM, is malformed, or ends early, also if that is in its pixels.
-/// @throw InvalidArgument if it is an image in colour.
+/// @throw InvalidArgument if its pixels are no numbers that can be used: indices into a palette or table, inks.
 DicomHeader readDicomHeader(const std::string& file);
 
 }  // namespace raysweep

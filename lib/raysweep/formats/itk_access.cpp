@@ -19,7 +19,7 @@ const ModuleFunction& function() {
 const ItkFormats& formatsFor(const std::string& path, const char* what = "read") {
     if (!function().address)
         throw IoError(std::string("cannot ") + what + " '" + path +
-                      "': this build of Raysweep has no ITK, which knows NRRD, MetaImage, NIfTI and DICOM; install "
+                      "': this build of Raysweep has no ITK, which reads DICOM and writes MetaImage; install "
                       "libinsighttoolkit5-dev and configure again with -DRAYSWEEP_WITH_ITK=ON (" +
                       function().problem + ")");
     const ItkFormats& formats = *reinterpret_cast<const ItkFormats* (*)()>(function().address)();
@@ -35,15 +35,10 @@ bool hasItk() {
     return function().address != nullptr;
 }
 
-StoredVolume readItkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress) {
-    noteInput(path);
-    return formatsFor(path).volume(path, format, progress);
-}
-
-StoredVolume readDicomSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
+StoredVolume readDicomSeries(const std::vector<std::string>& files, const SeriesRequest& request,
                              const ProgressCallback& progress) {
     for (const std::string& file : files) noteInput(file);
-    return formatsFor(files.front()).series(files, series, positions, progress);
+    return formatsFor(files.front()).series(files, request, progress);
 }
 
 void writeMetaImage(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,

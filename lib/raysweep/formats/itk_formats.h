@@ -7,20 +7,18 @@
 namespace raysweep {
 
 /// To be counted up whenever something that passes changes.
-constexpr int kItkFormatsVersion = 3;
+constexpr int kItkFormatsVersion = 4;
 struct ItkFormats {
     int version;
-    StoredVolume (*volume)(const std::string& path, ItkFormat format, const ProgressCallback& progress);
-    StoredVolume (*series)(const std::vector<std::string>& files, const std::string& series, bool positions,
+    StoredVolume (*series)(const std::vector<std::string>& files, const SeriesRequest& request,
                            const ProgressCallback& progress);
     void (*write)(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,
                   const Vec3& spacing);
 };
 
-// In the module: see readItkVolume, readDicomSeries and writeMetaImage. Under names of their own, for which nothing can
+// In the module: see readDicomSeries and writeMetaImage. Under names of their own, for which nothing can
 // stand in.
-StoredVolume itkVolume(const std::string& path, ItkFormat format, const ProgressCallback& progress);
-StoredVolume itkSeries(const std::vector<std::string>& files, const std::string& series, bool positions,
+StoredVolume itkSeries(const std::vector<std::string>& files, const SeriesRequest& request,
                        const ProgressCallback& progress);
 /// To a file that is there and empty. @throw IoError, which does not name it
 void itkWrite(const std::string& path, const Index3& dims, const float* samples, const Vec3& origin,

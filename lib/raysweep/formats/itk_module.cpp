@@ -2,7 +2,7 @@
 #include "raysweep/formats/itk_formats.h"
 
 extern "C" const raysweep::ItkFormats* raysweepItkFormats() {
-    static constexpr raysweep::ItkFormats kFormats{raysweep::kItkFormatsVersion, raysweep::itkVolume,
-                                                   raysweep::itkSeries, raysweep::itkWrite};
+    static constexpr raysweep::ItkFormats kFormats{raysweep::kItkFormatsVersion, raysweep::itkSeries,
+                                                   raysweep::itkWrite};
     return &kFormats;
 }

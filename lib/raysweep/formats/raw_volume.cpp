@@ -1,19 +1,11 @@
 #include "raysweep/formats/raw_volume.h"
 
 #include "raysweep/core/error.h"
-
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
+#include "raysweep/formats/declared_samples.h"
+#include "raysweep/formats/header_lines.h"
 
 namespace raysweep {
 namespace {
-
-[[noreturn]] void failRead(const std::string& path, const std::string& why) {
-    throw IoError("cannot read '" + path + "': " + why);
-}
 
 std::string listOf(const Index3& dims) {
     return std::to_string(dims.x) + "," + std::to_string(dims.y) + "," + std::to_string(dims.z);
@@ -45,44 +37,24 @@ std::string whatWouldFit(const RawLayout& layout, std::uint64_t count, std::uint
     return fits.empty() ? "check dims, type and the bytes to skip" : "it would fit " + fits;
 }
 
-void swapBytes(StoredVolume& volume) {
-    const std::size_t size = sizeOf(volume.type);
-    std::byte* sample = volume.samples.get();
-    for (std::uint64_t n = 0; n < volume.count(); ++n, sample += size) std::reverse(sample, sample + size);
-}
-
 }  // namespace
 
 StoredVolume readRawVolume(const std::string& path, const RawLayout& layout, const ProgressCallback& progress) {
     const std::uint64_t count = sampleCount(layout.dims), bytes = count * sizeOf(layout.type);
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) failRead(path, "there is no such file");
-    if (std::filesystem::is_directory(path, error)) failRead(path, "it is a folder; give one raw file");
-    const std::uint64_t size = std::filesystem::file_size(path, error);
-    if (error) failRead(path, error.message());
+    const std::uint64_t size = sizeOfFile(path);
     if (size != layout.skip + bytes)
         throw InvalidArgument("'" + path + "' has " + std::to_string(size) + " bytes, but " + listOf(layout.dims) +
                               " of " + nameOf(layout.type) + " after " + std::to_string(layout.skip) +
                               " skipped bytes are " + std::to_string(layout.skip + bytes) + "; " +
                               whatWouldFit(layout, count, size));
-    errno = 0;
-    std::ifstream in(path, std::ios::binary);
-    if (!in || !in.seekg(std::streamoff(layout.skip))) failRead(path, std::strerror(errno));
-
-    StoredVolume volume;
-    volume.dims = layout.dims;
-    volume.type = layout.type;
+    DeclaredSamples samples;
+    samples.type = layout.type;
+    samples.bigEndian = layout.bigEndian;
+    for (int axis = 0; axis < 3; ++axis) samples.axes.push_back({layout.dims[axis], true});
+    samples.pieces.push_back({path, layout.skip});
+    splitEvenly(samples, path);
+    StoredVolume volume = readDeclared(path, samples, progress);
     volume.format = "raw";
-    volume.samples.reset(new std::byte[bytes]);
-    constexpr std::uint64_t kPiece = 1 << 26;
-    for (std::uint64_t done = 0; done < bytes; done += kPiece) {
-        volume.complete = report(progress, "reading", double(done) / double(bytes));
-        if (!volume.complete) return volume;
-        const std::uint64_t piece = std::min(kPiece, bytes - done);
-        if (!in.read(reinterpret_cast<char*>(volume.samples.get() + done), std::streamsize(piece)))
-            failRead(path, "the file ended while it was read");
-    }
-    if (layout.bigEndian) swapBytes(volume);
     return volume;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace raysweep {
 
@@ -19,6 +20,9 @@ struct StoredVolume {
     Vec3 origin{0};                                                          ///< world position of sample (0,0,0)
     std::array<Vec3, 3> steps{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};  ///< world, from a sample to the next
     std::string format;                                                      ///< "NRRD", "DICOM" ..., for reports
+    std::string unit;                ///< of origin and steps: "mm", "um" ...; empty: the file does not say
+    std::vector<std::string> notes;  ///< what whoever uses the numbers should know; each begins in lower case
+    double highest = 0;       ///< that samples can be, where they have fewer bits than their type; 0: what that can be
     bool calibrated = false;  ///< the samples are what was measured (Hounsfield units, say), not shades of grey
     bool complete = true;     ///< false if the reader was asked to stop: then samples are missing
 

@@ -2,8 +2,14 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/natural_order.h"
+#include "raysweep/core/run_outputs.h"
+#include "raysweep/formats/header_lines.h"
 #include "raysweep/formats/itk_volume.h"
-#include "raysweep/image/image_io.h"
+#include "raysweep/formats/meta_image.h"
+#include "raysweep/formats/nifti_volume.h"
+#include "raysweep/formats/nrrd_volume.h"
+#include "raysweep/formats/picture_volume.h"
+#include "raysweep/formats/read_failure.h"
 
 #include <algorithm>
 #include <cctype>
@@ -21,15 +27,6 @@ enum class Kind { unknown, nrrd, metaImage, nifti, dicom, picture };
 
 const char* const kKnown = "NRRD, MetaImage, NIfTI, DICOM, TIFF, PNG";
 
-[[noreturn]] void failRead(const std::string& path, const std::string& why, Remedy remedy = Remedy::none) {
-    throw IoError("cannot read '" + path + "': " + why, remedy);
-}
-
-std::string lower(std::string text) {
-    for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
-
 bool endsWith(const std::string& text, const std::string& end) {
     return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
@@ -42,7 +39,7 @@ bool hasDicomMark(const std::string& path) {
 }
 
 Kind kindOf(const std::string& path) {
-    const std::string name = lower(path);
+    const std::string name = lowerCase(path);
     const auto ends = [&](std::initializer_list<const char*> endings) {
         return std::any_of(endings.begin(), endings.end(), [&](const char* end) { return endsWith(name, end); });
     };
@@ -54,7 +51,7 @@ Kind kindOf(const std::string& path) {
 }
 
 [[noreturn]] void failUnknown(const std::string& path) {
-    const std::string name = lower(path);
+    const std::string name = lowerCase(path);
     if (endsWith(name, ".vdb")) failRead(path, "it is a .vdb already", Remedy::isVolumeAlready);
     failRead(path, std::string("it is of no kind that is known (") + kKnown + ")", Remedy::describeSamples);
 }
@@ -76,7 +73,7 @@ std::vector<std::string> volumeIn(const std::string& folder, const std::vector<s
     for (const std::string& file : files) {
         const Kind kind = kindOf(file);
         if (kind == Kind::dicom) dicom.push_back(file);
-        if (kind == Kind::picture) pictures.push_back(file), extensions.insert(lower(fs::path(file).extension()));
+        if (kind == Kind::picture) pictures.push_back(file), extensions.insert(lowerCase(fs::path(file).extension()));
         if (kind == Kind::nrrd || kind == Kind::metaImage || kind == Kind::nifti) volumes.push_back(file);
     }
     if (!dicom.empty()) return dicom;
@@ -91,25 +88,15 @@ std::vector<std::string> volumeIn(const std::string& folder, const std::vector<s
                                               ", such as '" + fs::path(files.front()).filename().string() + "'"));
 }
 
-StoredVolume readPictures(const std::vector<std::string>& files, const ProgressCallback& progress) {
-    PictureStack stack = readPictureStack(files, progress);
-    StoredVolume volume;
-    volume.dims = Index3(stack.width, stack.height, stack.slices);
-    volume.type = stack.type;
-    volume.samples = std::move(stack.samples);
-    volume.complete = stack.complete;
-    volume.format = "pictures";
-    return volume;
-}
-
 /// All of the same kind, which is returned.
 Kind commonKind(const std::vector<std::string>& files) {
-    const Kind kind = kindOf(files.front());
+    Kind kind = Kind::unknown;
     for (const std::string& file : files) {
         if (fs::is_directory(file)) failRead(file, "it is a folder; give files, or one folder");
-        if (!fs::exists(file)) failRead(file, "there is no such file");
+        requireRegularFile(file);
         const Kind own = kindOf(file);
         if (own == Kind::unknown) failUnknown(file);
+        if (kind == Kind::unknown) kind = own;
         if (own != kind)
             throw InvalidArgument("'" + files.front() + "' and '" + file +
                                   "' are of different kinds; several files must be pictures, or DICOM images");
@@ -123,25 +110,26 @@ Kind commonKind(const std::vector<std::string>& files) {
 
 }  // namespace
 
-StoredVolume readVolumeFiles(const std::vector<std::string>& given, const std::string& series, bool positions,
+StoredVolume readVolumeFiles(const std::vector<std::string>& given, const VolumeRequest& request,
                              const ProgressCallback& progress) {
     const bool folder = given.size() == 1 && fs::is_directory(given.front());
     std::vector<std::string> files = folder ? volumeIn(given.front(), filesIn(given.front())) : given;
     std::sort(files.begin(), files.end(), naturallyBefore);
+    for (const std::string& file : files) noteInput(file);
     const Kind kind = commonKind(files);
-    if (!series.empty() && kind != Kind::dicom)
+    if (!request.series.empty() && kind != Kind::dicom)
         throw InvalidArgument("a series can be chosen from DICOM images only, and '" + files.front() + "' is none");
     switch (kind) {
         case Kind::nrrd:
-            return readItkVolume(files.front(), ItkFormat::nrrd, progress);
+            return readNrrd(files.front(), request.choice, progress);
         case Kind::metaImage:
-            return readItkVolume(files.front(), ItkFormat::metaImage, progress);
+            return readMetaImage(files.front(), request.choice, progress);
         case Kind::nifti:
-            return readItkVolume(files.front(), ItkFormat::nifti, progress);
+            return readNifti(files.front(), request.choice, progress);
         case Kind::dicom:
-            return readDicomSeries(files, series, positions, progress);
+            return readDicomSeries(files, {request.series, request.positions, request.choice}, progress);
         case Kind::picture:
-            return readPictures(files, progress);
+            return readPictures(files, request.choice, progress);
         case Kind::unknown:
             break;
     }

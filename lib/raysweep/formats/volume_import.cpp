@@ -24,10 +24,13 @@ std::string textOf(const Index3& v) {
 StoredVolume read(const std::vector<std::string>& files, const ImportOptions& options,
                   const ProgressCallback& progress) {
     if (files.empty()) throw InvalidArgument("there is no file to import");
-    if (!options.raw) return readVolumeFiles(files, options.series, !options.spacing, progress);
+    const VolumeChoice choice{options.channel, options.volumeIndex};
+    if (!options.raw) return readVolumeFiles(files, {options.series, !options.spacing, choice}, progress);
     if (files.size() > 1)
         throw InvalidArgument("raw samples must be in one file, not in " + std::to_string(files.size()) +
                               "; join them first");
+    chooseChannel(files.front(), {}, choice);
+    chooseVolume(files.front(), {}, choice);
     return readRawVolume(files.front(), *options.raw, progress);
 }
 
@@ -66,17 +69,18 @@ void requireFinite(const SampleRange& range, bool repair) {
 }
 
 /// Sets `scale` and `offset` of the result.
-void chooseMapping(const ImportOptions& options, bool calibrated, ImportedVolume& result) {
+void chooseMapping(const ImportOptions& options, const StoredVolume& volume, ImportedVolume& result) {
     Normalization how = options.normalization;
     if (how == Normalization::automatic) {
-        const bool wanted = isUnsigned(result.type) && !calibrated && !options.scale && !options.offset;
+        const bool wanted = isUnsigned(result.type) && !volume.calibrated && !options.scale && !options.offset;
         how = wanted ? Normalization::type : Normalization::none;
     }
     if (how == Normalization::type && isFloatingPoint(result.type))
         throw InvalidArgument("the samples are " + nameOf(result.type) +
                               ", a type without a range of its own; normalise by the data's range");
     double low = 0, high = 1;
-    if (how == Normalization::type) low = lowestOf(result.type), high = highestOf(result.type);
+    if (how == Normalization::type)
+        low = lowestOf(result.type), high = volume.highest > 0 ? volume.highest : highestOf(result.type);
     if (how == Normalization::data) low = result.range.min, high = result.range.max;
     if (!(high > low)) high = low + 1;  // all samples are the same: they become 0
     result.scale = options.scale.value_or(1) / (high - low);
@@ -94,6 +98,8 @@ void ImportOptions::validate() const {
     constexpr double kLargest = std::numeric_limits<float>::max();
     requireField(tolerance >= 0 && std::isfinite(tolerance), "tolerance", tolerance, "finite and not negative");
     requireField(std::abs(background) <= kLargest, "background", background, "finite, and fit a 32 bit float");
+    requireField(!channel || *channel >= 0, "channel", channel.value_or(0), "0 or larger");
+    requireField(!volumeIndex || *volumeIndex >= 0, "volumeIndex", volumeIndex.value_or(0), "0 or larger");
     requireField(!scale || std::isfinite(*scale), "scale", scale.value_or(0), "finite");
     requireField(!offset || std::isfinite(*offset), "offset", offset.value_or(0), "finite");
     for (int axis = 0; axis < 3; ++axis) {
@@ -119,10 +125,12 @@ ImportedVolume importVolume(const std::vector<std::string>& files, const ImportO
     result.type = volume.type;
     result.dims = volume.dims;
     result.origin = volume.origin;
+    result.unit = volume.unit;
+    result.notes = volume.notes;
     for (int axis = 0; axis < 3; ++axis) result.spacing[axis] = volume.steps[std::size_t(axis)].length();
     result.range = sampleRange(volume, region);
     requireFinite(result.range, options.repair);
-    chooseMapping(options, volume.calibrated, result);
+    chooseMapping(options, volume, result);
 
     const VoxelMapping mapping{result.scale, result.offset, float(options.background), float(options.tolerance)};
     result.grid = gridOf(volume, region, mapping, progress);

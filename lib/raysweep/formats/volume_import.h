@@ -23,10 +23,12 @@ enum class Normalization {
 };
 
 struct ImportOptions {
-    std::optional<RawLayout> raw;  ///< given: the file has no header, and this is what it would say
-    std::string series;            ///< SeriesInstanceUID, where there are several; empty: the only one
-    std::optional<Vec3> spacing;   ///< world units between samples along i, j, k, > 0, instead of the file's
-    std::optional<IndexBox> crop;  ///< voxels to keep, indices of the file
+    std::optional<RawLayout> raw;    ///< given: the file has no header, and this is what it would say
+    std::string series;              ///< SeriesInstanceUID, where there are several; empty: the only one
+    std::optional<int> channel;      ///< of several numbers per voxel, counted from 0; see VolumeChoice
+    std::optional<int> volumeIndex;  ///< of several volumes, counted from 0
+    std::optional<Vec3> spacing;     ///< world units between samples along i, j, k, > 0, instead of the file's
+    std::optional<IndexBox> crop;    ///< voxels to keep, indices of the file
     Normalization normalization = Normalization::automatic;
     std::optional<double> scale, offset;  ///< voxel = normalised sample * scale + offset; 1 and 0 if not given
     double background = 0;                ///< value of what is left out, in units of the grid
@@ -42,10 +44,12 @@ struct ImportedVolume {
     openvdb::FloatGrid::Ptr grid;  ///< null if stopped
     std::string format;            ///< "NRRD", "DICOM", "pictures" ...
     SampleType type = SampleType::uint8;
-    Index3 dims{0};                ///< of the file
-    Vec3 origin{0}, spacing{1};    ///< world units
-    SampleRange range;             ///< of the samples that were kept, as they are in the file
-    double scale = 1, offset = 0;  ///< voxel = sample * scale + offset, all mappings together
+    Index3 dims{0};                  ///< of the file
+    Vec3 origin{0}, spacing{1};      ///< world units
+    std::string unit;                ///< of the world: "mm", "um" ...; empty: the file does not say
+    std::vector<std::string> notes;  ///< what whoever uses the numbers should know; each begins in lower case
+    SampleRange range;               ///< of the samples that were kept, as they are in the file
+    double scale = 1, offset = 0;    ///< voxel = sample * scale + offset, all mappings together
 };
 
 /// Reads `files`: one file of NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .hdr with .img) or raw

@@ -107,9 +107,17 @@ class ExrFile : public PictureFile {
         if (width > kLargest || height > kLargest)
             failToRead(path_, "it claims to have " + std::to_string(width) + "x" + std::to_string(height) +
                                   " pixels; it is damaged");
-        PicturePage page{int(width), int(height), 1, 0, SampleType::uint32, "uint"};
+        PicturePage page;
+        page.width = int(width);
+        page.height = int(height);
+        page.type = SampleType::uint32;
+        page.typeName = "uint";
         for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++page.channels)
             if (c.channel().type != Imf::UINT) page.type = SampleType::float32, page.typeName = "float";
+        page.channelNames = orderedChannels(header.channels());
+        page.left = window.min.x;
+        page.top = window.min.y;
+        if (header.hasName()) page.name = header.name();
         return page;
     }
 
@@ -133,10 +141,11 @@ class ExrFile : public PictureFile {
         }
     }
 
-    void readSamples(int number, std::byte* to) override {
-        const auto channel = file_.header(number).channels().begin();
+    void readSamples(int number, int channel, std::byte* to) override {
+        const PicturePage size = page(number);
         Imf::FrameBuffer frame;
-        insert(frame, number, channel.name(), {channel.channel().type == Imf::UINT ? Imf::UINT : Imf::FLOAT, to, 1});
+        insert(frame, number, size.channelNames[std::size_t(channel)],
+               {size.type == SampleType::uint32 ? Imf::UINT : Imf::FLOAT, to, 1});
         read(number, frame);
     }
 

@@ -1,10 +1,7 @@
 /// Pictures: floats in linear light.
 #pragma once
 
-#include "raysweep/core/sample_type.h"
-
 #include <cstddef>
-#include <memory>
 #include <vector>
 
 namespace raysweep {
@@ -25,17 +22,6 @@ struct Image {
     /// First channel of the pixel in column x, row y (row 0 on top).
     float* at(int x, int y) { return pixels.data() + (std::size_t(y) * width + x) * channels; }
     const float* at(int x, int y) const { return pixels.data() + (std::size_t(y) * width + x) * channels; }
-};
-
-/// Pictures of one size, one behind the other, with one sample per pixel as the files hold it: not decoded, not scaled.
-/// Sample (x, y, slice) has the index (slice * height + y) * width + x; row 0 on top, host byte order.
-struct PictureStack {
-    int width = 0;
-    int height = 0;
-    int slices = 0;
-    SampleType type = SampleType::uint8;
-    std::unique_ptr<std::byte[]> samples;
-    bool complete = true;  ///< false if the reader was asked to stop
 };
 
 }  // namespace raysweep

@@ -85,7 +85,8 @@ const PictureFormats* pictureFormats(std::string& problem) {
     return formats->version == kPictureFormatsVersion ? formats : nullptr;
 }
 
-std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = Alpha::multiplied) {
+template <class OpenByModule>
+std::unique_ptr<PictureFile> open(const std::string& path, const OpenByModule& openByModule) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) failToRead(path, "there is no such file");
     if (std::filesystem::is_directory(path, ignored)) failToRead(path, "it is a folder; give a picture file");
@@ -98,7 +99,11 @@ std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = 
     std::string problem;
     const PictureFormats* const formats = pictureFormats(problem);
     if (!formats) failToRead(path, problem);
-    return formats->open(path, alpha);
+    return openByModule(*formats);
+}
+
+std::unique_ptr<PictureFile> openPicture(const std::string& path, Alpha alpha = Alpha::multiplied) {
+    return open(path, [&](const PictureFormats& formats) { return formats.open(path, alpha); });
 }
 
 /// Readers of JPEGs do not say that a file ends early. This takes reading it once more.
@@ -129,32 +134,6 @@ bool isGrey(const Image& image) {
     for (std::size_t p = 0; p < image.pixels.size(); p += image.channels)
         if (image.pixels[p] != image.pixels[p + 1] || image.pixels[p] != image.pixels[p + 2]) return false;
     return true;
-}
-
-SampleType requireType(const PicturePage& page, const std::string& path) {
-    if (page.type) return *page.type;
-    throw InvalidArgument("cannot read '" + path + "': samples of the type " + page.typeName +
-                          " are not known; convert the picture first");
-}
-
-/// Checks one page of a stack whose first page made `stack`.
-void requireSlice(const PicturePage& page, const PictureStack& stack, const std::string& path, int number) {
-    const auto fail = [&](const std::string& why) {
-        throw InvalidArgument("cannot use '" + path + "'" + (number > 0 ? ", page " + std::to_string(number + 1) : "") +
-                              ": " + why);
-    };
-    if (page.depth > 1) fail("it has a depth of its own; a stack is made of flat pictures");
-    if (page.channels != 1)
-        fail("it has " + std::to_string(page.channels) +
-             " channels, but a volume needs one number per voxel; convert the pictures to grey first");
-    const auto size = [](int w, int h) { return std::to_string(w) + "x" + std::to_string(h); };
-    if (page.width != stack.width || page.height != stack.height)
-        fail("its size is " + size(page.width, page.height) + ", but the first picture's is " +
-             size(stack.width, stack.height) + "; all slices must have one size");
-    const SampleType type = requireType(page, path);
-    if (type != stack.type)
-        fail("its samples are " + nameOf(type) + ", but the first picture's are " + nameOf(stack.type) +
-             "; all slices must have one type");
 }
 
 }  // namespace
@@ -225,35 +204,10 @@ bool pictureHasAlpha(const std::string& path) {
     return channels == 2 || channels == 4;
 }
 
-PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress) {
-    PictureStack stack;
-    std::vector<int> pages;
-    for (const std::string& file : files) {
-        const auto picture = openPicture(file);
-        const PicturePage first = picture->page(0);
-        if (pages.empty()) {
-            stack.width = first.width;
-            stack.height = first.height;
-            stack.type = requireType(first, file);
-        }
-        requireSlice(first, stack, file, 0);
-        requireWhole(file);
-        pages.push_back(picture->pages());
-        stack.slices += pages.back();
-    }
-    const std::size_t sliceBytes = std::size_t(stack.width) * stack.height * sizeOf(stack.type);
-    stack.samples.reset(new std::byte[sliceBytes * stack.slices]);
-    std::byte* to = stack.samples.get();
-    for (std::size_t f = 0; f < files.size(); ++f) {
-        const auto picture = openPicture(files[f]);
-        for (int page = 0; page < pages[f]; ++page, to += sliceBytes) {
-            stack.complete = report(progress, "reading", double(to - stack.samples.get()) / sliceBytes / stack.slices);
-            if (!stack.complete) return stack;
-            requireSlice(picture->page(page), stack, files[f], page);
-            picture->readSamples(page, to);
-        }
-    }
-    return stack;
+std::unique_ptr<PictureFile> openStoredPicture(const std::string& path) {
+    auto file = open(path, [&](const PictureFormats& formats) { return formats.openStored(path); });
+    requireWhole(path);
+    return file;
 }
 
 void writeImage(const std::string& path, const Image& image) {

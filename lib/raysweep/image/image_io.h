@@ -1,7 +1,6 @@
 /// Pictures in files. In memory a picture is always linear; what a format stores is decided here and nowhere else.
 #pragma once
 
-#include "raysweep/core/progress.h"
 #include "raysweep/image/image.h"
 
 #include <string>
@@ -29,12 +28,6 @@ PictureSize pictureSize(const std::string& path);
 
 /// Whether that picture has alpha: 2 or 4 channels. What it says is not looked at. @throw IoError as pictureSize.
 bool pictureHasAlpha(const std::string& path);
-
-/// Reads grey pictures as they are stored, in the order of `files`; all pages of a file that has several. Pictures of
-/// half floats become 32 bit floats.
-/// @throw InvalidArgument naming the file, and the page, whose size or type differs from the first or which has colour.
-/// @throw IoError if a file is missing, is not a picture, or ends early.
-PictureStack readPictureStack(const std::vector<std::string>& files, const ProgressCallback& progress = {});
 
 /// Writes by extension: `.exr` 32 bit float as it is; `.png` 8 bit sRGB (values beyond [0,1] are clipped, NaN becomes
 /// 0, RGBA is stored with alpha apart from colour). The file appears whole or not at all.

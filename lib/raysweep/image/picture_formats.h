@@ -18,11 +18,13 @@ struct EncodedPicture {
 };
 
 /// What the module gives. To be counted up whenever something that passes between library and module changes.
-constexpr int kPictureFormatsVersion = 3;
+constexpr int kPictureFormatsVersion = 4;
 struct PictureFormats {
     int version;
     /// @throw IoError
     std::unique_ptr<PictureFile> (*open)(const std::string& path, Alpha alpha);
+    /// For its samples as they are stored, which readSamples gives. @throw IoError
+    std::unique_ptr<PictureFile> (*openStored)(const std::string& path);
     /// Writes to `temporary`, by its extension; messages name `path`. @throw IoError
     void (*write)(const std::string& path, const std::string& temporary, const EncodedPicture& picture);
 };

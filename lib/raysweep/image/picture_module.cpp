@@ -2,8 +2,14 @@
 /// is read or written that is no EXR (picture_formats.h). It uses nothing of the library but headers.
 #include "raysweep/core/error.h"
 #include "raysweep/image/picture_formats.h"
+#include "raysweep/image/tiff_file.h"
 
 #include <OpenImageIO/imageio.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
 
 namespace raysweep {
 namespace {
@@ -46,6 +52,27 @@ std::string oneLine(std::string text) {
     return text;
 }
 
+/// The largest number that samples can be in formats where that need not be their type's: grey PNG of 1, 2 or 4 bits,
+/// PGM. 0 for others.
+double highestStored(const std::string& path) {
+    char start[26] = {};
+    std::ifstream in(path, std::ios::binary);
+    in.read(start, sizeof start);
+    constexpr char kGrey = 0;
+    if (std::string(start + 1, 3) == "PNG" && start[25] == kGrey && start[24] < 8 && start[24] > 0)
+        return std::exp2(start[24]) - 1;
+    if (start[0] != 'P' || (start[1] != '2' && start[1] != '5')) return 0;
+    in.clear();
+    in.seekg(2);
+    int fields[3] = {};  // width, height, largest
+    for (int& field : fields) {
+        while ((in >> std::ws).peek() == '#') in.ignore(1 << 16, '\n');
+        in >> field;
+    }
+    const int full = fields[2] > 255 ? 65535 : 255;
+    return in && fields[2] > 0 && fields[2] < full ? fields[2] : 0;
+}
+
 class OiioFile : public PictureFile {
   public:
     OiioFile(const std::string& path, Alpha alpha) : path_(path) {
@@ -53,6 +80,7 @@ class OiioFile : public PictureFile {
         if (alpha == Alpha::asStored) how.attribute("oiio:UnassociatedAlpha", 1);
         input_ = OIIO::ImageInput::open(path, &how);
         if (!input_) failToRead(path, oneLine(OIIO::geterror()) + kGivePicture);
+        highest_ = highestStored(path);
     }
 
     int pages() override {
@@ -67,8 +95,17 @@ class OiioFile : public PictureFile {
         const OIIO::ImageSpec& spec = input_->spec();
         const bool isMultiplied = spec.alpha_channel >= 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
         const bool isStraight = (spec.nchannels == 2 || spec.nchannels == 4) && !isMultiplied;
-        return {spec.width,          spec.height, spec.depth, spec.nchannels, sampleTypeOf(spec.format),
-                spec.format.c_str(), isStraight};
+        PicturePage page;
+        page.width = spec.width;
+        page.height = spec.height;
+        page.depth = spec.depth;
+        page.channels = spec.nchannels;
+        page.type = sampleTypeOf(spec.format);
+        page.typeName = spec.format.c_str();
+        page.straightAlpha = isStraight;
+        page.channelNames = spec.channelnames;
+        page.highest = highest_;
+        return page;
     }
 
     void readFloats(int number, float* to) override {
@@ -77,12 +114,29 @@ class OiioFile : public PictureFile {
         if (!input_->read_image(number, 0, 0, channels, OIIO::TypeDesc::FLOAT, to)) fail();
     }
 
-    void readSamples(int number, std::byte* to) override {
-        const OIIO::TypeDesc format = formatOf(page(number).type.value());
-        if (!input_->read_image(number, 0, 0, 1, format, to)) fail();
+    void readSamples(int number, int channel, std::byte* to) override {
+        const PicturePage size = page(number);
+        requireLight();
+        if (!input_->read_image(number, 0, channel, channel + 1, formatOf(size.type.value()), to)) fail();
+        if (size.highest > 0) unscale(size, to);
     }
 
   private:
+    /// OpenImageIO makes samples of fewer bits fill their type: back to what is stored.
+    static void unscale(const PicturePage& page, std::byte* samples) {
+        const auto all = std::uint64_t(page.width) * std::uint64_t(page.height);
+        const auto top = std::uint64_t(page.highest);
+        withSampleType(*page.type, [&](auto zero) {
+            using Sample = decltype(zero);
+            auto* const numbers = reinterpret_cast<Sample*>(samples);
+            if constexpr (std::is_same_v<Sample, std::uint8_t> || std::is_same_v<Sample, std::uint16_t>)
+                for (std::uint64_t n = 0; n < all; ++n) {  // it rounds down
+                    constexpr std::uint64_t kFull = Sample(-1);
+                    numbers[n] = Sample((numbers[n] * top + kFull - 1) / kFull);
+                }
+        });
+    }
+
     /// What OpenImageIO makes of inks is no more than a rule of thumb: how they look is up to paper and profile.
     void requireLight() const {
         const std::string jpeg = input_->spec().get_string_attribute("jpeg:ColorSpace");
@@ -95,10 +149,16 @@ class OiioFile : public PictureFile {
 
     std::string path_;
     std::unique_ptr<OIIO::ImageInput> input_;
+    double highest_ = 0;
 };
 
 std::unique_ptr<PictureFile> open(const std::string& path, Alpha alpha) {
     return std::make_unique<OiioFile>(path, alpha);
+}
+
+std::unique_ptr<PictureFile> openStored(const std::string& path) {
+    if (isTiff(path)) return openTiff(path);
+    return std::make_unique<OiioFile>(path, Alpha::asStored);
 }
 
 void write(const std::string& path, const std::string& temporary, const EncodedPicture& picture) {
@@ -119,6 +179,6 @@ void write(const std::string& path, const std::string& temporary, const EncodedP
 
 extern "C" const raysweep::PictureFormats* raysweepPictureFormats() {
     static constexpr raysweep::PictureFormats kFormats{raysweep::kPictureFormatsVersion, raysweep::open,
-                                                       raysweep::write};
+                                                       raysweep::openStored, raysweep::write};
     return &kFormats;
 }

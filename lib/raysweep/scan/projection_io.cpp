@@ -95,7 +95,7 @@ ProjectionFile readProjections(const std::vector<std::string>& files, const Proj
                                const ProgressCallback& progress) {
     if (files.empty()) throw InvalidArgument(std::string("no files to read projections from; give ") + kReadable);
     for (const std::string& path : files) requireProjections(path);
-    const StoredVolume stored = readVolumeFiles(files, "", false, progress);
+    const StoredVolume stored = readVolumeFiles(files, {"", false, {}}, progress);
     if (stored.format == "DICOM" || stored.format == "NIfTI")
         throw InvalidArgument("cannot read projections from '" + files.front() + "': it is " + stored.format +
                               ", which holds volumes; give " + kReadable);

@@ -1,7 +1,6 @@
 #include "raysweep/phantoms/engine_room.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/formats/itk_volume.h"
 #include "raysweep/formats/volume_import.h"
 #include "raysweep/phantoms/engine_block.h"
 
@@ -249,7 +248,7 @@ TEST(EngineRoom, RefusesWhatMakesNoRoom) {
 
 TEST(EngineRoom, OfTheEnginesScan) {
     const std::string path = test::findData("volumes/engine.nrrd");
-    if (path.empty() || !hasItk()) GTEST_SKIP() << "needs ITK, and volumes/engine.nrrd; set RAYSWEEP_DATA";
+    if (path.empty()) GTEST_SKIP() << "needs volumes/engine.nrrd; set RAYSWEEP_DATA";
     const EngineRoom room = makeEngineRoom(withEngine(importVolume({path}, {}).grid));
     EXPECT_EQ(room.dims, Coord(276, 276, 130));
     // Voxel (128,128,64) of the scan is 133: see the test of import.
