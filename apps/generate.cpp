@@ -7,6 +7,7 @@
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/phantoms/engine_room.h"
 #include "raysweep/phantoms/exact_projections.h"
+#include "raysweep/phantoms/explosion.h"
 #include "raysweep/phantoms/phantom.h"
 #include "raysweep/phantoms/triangles.h"
 #include "raysweep/volume/grid_select.h"
@@ -35,7 +36,7 @@ struct GenerateOptions {
     bool half = false;
 };
 
-const std::string kRoom = "engine-room", kTriangles = "triangles";
+const std::string kExplosion = "explosion", kRoom = "engine-room", kTriangles = "triangles";
 
 using Maker = openvdb::FloatGrid::Ptr (*)(const PhantomOptions&);
 const std::map<std::string, Maker> kMakers = {{"box", makeBox},
@@ -128,6 +129,15 @@ void runTriangles(const GenerateOptions& options) {
                                  {"rms_color", rmsOverCube(options.triangles, power.color)}});
 }
 
+void runExplosion(const GenerateOptions& options) {
+    const Timer timer;
+    const Explosion explosion = makeExplosion(options.phantom);
+    writeGrids(options, {explosion.density, explosion.fire});
+    writeReport(options.common, {{"voxels_active", explosion.density->activeVoxelCount()},
+                                 {"voxels_fire", explosion.fire->activeVoxelCount()},
+                                 {"seconds", timer.seconds()}});
+}
+
 /// Phantoms whose line integrals are known exactly.
 bool hasShapes(const std::string& kind) {
     return kind == "shepp-logan" || kind == "box-with-holes";
@@ -156,7 +166,8 @@ void requireFitting(const CLI::App& command, const std::string& kind) {
     if (kind != "box" && kind != "box-with-holes") refuse({"--dims"}, "box and box-with-holes");
     if (kind != kRoom)
         refuse({"--volume", "--volume-grid", "--crop-slices", "--wall", "--open-front", "--coloured"}, kRoom);
-    if (kind == kRoom || kind == kTriangles) refuse({"--density", "--soft"}, "clouds, spheres, boxes and phantoms");
+    if (kind == kRoom || kind == kTriangles)
+        refuse({"--density", "--soft"}, "clouds, explosions, spheres, boxes and phantoms");
     if (kind != kTriangles) refuse({"--count", "--thickness", "--binary"}, kTriangles);
     if (kind != "sphere") refuse({"--soft"}, "the sphere");
     if (!hasShapes(kind)) refuse({"--projections"}, "shepp-logan and box-with-holes");
@@ -203,6 +214,8 @@ void runGenerate(const GenerateOptions& options) {
         runRoom(options);
     else if (options.kind == kTriangles)
         runTriangles(options);
+    else if (options.kind == kExplosion)
+        runExplosion(options);
     else
         runPhantom(options);
 }
@@ -235,17 +248,18 @@ void addTriangleOptions(CLI::App& app, GenerateOptions& options) {
 }  // namespace
 
 void addGenerate(CLI::App& app, int&) {
-    CLI::App* command = app.add_subcommand(
-        "generate",
-        "Make a volume: cloud, sphere, box, phantoms for tomography, coloured triangles, or the engine room");
+    CLI::App* command = app.add_subcommand("generate",
+                                           "Make a volume: cloud, explosion (smoke and fire), sphere, box, phantoms "
+                                           "for tomography, coloured triangles, or "
+                                           "the engine room");
     const auto options = std::make_shared<GenerateOptions>();
     PhantomOptions& phantom = options->phantom;
     command->add_option("kind", options->kind, "What to make")
         ->required()
-        ->check(CLI::IsMember(
-                    {"box", "box-with-holes", "cloud", kRoom.c_str(), "shepp-logan", "sphere", kTriangles.c_str()})
+        ->check(CLI::IsMember({"box", "box-with-holes", "cloud", kRoom.c_str(), kExplosion.c_str(), "shepp-logan",
+                               "sphere", kTriangles.c_str()})
                     .description(""))
-        ->type_name("cloud|sphere|box|shepp-logan|box-with-holes|triangles|engine-room");
+        ->type_name("cloud|explosion|sphere|box|shepp-logan|box-with-holes|triangles|engine-room");
     command->add_option("-o,--output", options->output, "The .vdb file to write")->required()->type_name("OUT.vdb");
     command
         ->add_option(

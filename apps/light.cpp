@@ -7,6 +7,7 @@
 #include "raysweep/core/output_file.h"
 #include "raysweep/core/run_outputs.h"
 #include "raysweep/illuminate/illumination_record.h"
+#include "raysweep/render/render.h"
 #include "raysweep/scene/lit_file.h"
 #include "raysweep/volume/checksum.h"
 #include "raysweep/volume/grid_select.h"
@@ -137,9 +138,6 @@ void comment(const LightArguments& a, const SceneFromFile& made, const Illuminat
                               "accurate; " +
                               (origin.classification ? "" : "a lower --extinction or ") +
                               (a.resolution < 1 ? "a higher --resolution helps" : "finer voxels help"));
-    if (lit.invisibleEmitters > 0)
-        warning(a.common, std::to_string(lit.invisibleEmitters) +
-                              " voxels emit but have no extinction: they light others but cannot be seen themselves");
     if (lit.activeVoxels == 0)
         warning(a.common, "the density grid is empty (it has no active voxels): there is nothing to light");
     else if (largestDensity == 0)
@@ -168,14 +166,35 @@ std::string wordsOf(Repair::Kind kind, bool one) {
     }
 }
 
+/// True if they have a point in common.
+bool overlap(const Box3& a, const Box3& b) {
+    bool apart = a.isEmpty() || b.isEmpty();
+    for (int axis = 0; axis < 3; ++axis) apart = apart || a.min[axis] > b.max[axis] || b.min[axis] > a.max[axis];
+    return !apart;
+}
+
+/// A fire that cannot be meant.
+void commentOnFire(const LightArguments& a, const Medium& medium, const Illumination& lit) {
+    if (!medium.emission) return;
+    const std::string name = "the fire (grid '" + medium.emission->getName() + "') ";
+    if (lit.emittedPower <= 0)
+        warning(a.common, name + (medium.emissionScale > 0 ? "gives off no light: it has no voxel above 0"
+                                                           : "gives off no light: --emission-scale is 0"));
+    else if (lit.activeVoxels > 0 && !overlap(worldBounds(*medium.emission), worldBounds(*medium.density)))
+        warning(a.common, name + "lies wholly beside the volume; are the transforms of both in the same units?");
+}
+
 void commentOnInput(const LightArguments& a, const SceneOrigin& origin, const VdbFile& input) {
     for (const Repair& repair : origin.repairs) {
         const bool one = repair.voxels == 1;
         warning(a.common, std::to_string(repair.voxels) + (one ? " voxel" : " voxels") + " of '" + repair.grid +
                               (one ? "' was " : "' were ") + wordsOf(repair.kind, one));
     }
-    const auto own = [](const openvdb::GridBase::Ptr& grid) { return grid->getName() == "extinction"; };
-    if (origin.ownExtinction && std::any_of(input.grids.begin(), input.grids.end(), own))
+    const auto has = [&](const std::string& name) {
+        return std::any_of(input.grids.begin(), input.grids.end(),
+                           [&](const openvdb::GridBase::Ptr& grid) { return grid->getName() == name; });
+    };
+    if (origin.ownExtinction && has("extinction"))
         warning(a.common,
                 "'" + input.path + "' has a grid 'extinction' of its own; the output will have two of that name");
 }
@@ -270,10 +289,14 @@ int run(LightArguments& a) {
         explain(a, scene);
         return kDone;
     }
+    openvdb::GridBase::Ptr emission;
     if (a.snapshots > 0) {
         a.options.snapshotEvery = a.snapshots;
+        a.options.shines = [&](const openvdb::GridBase::Ptr& grid) { emission = grid; };
         a.options.snapshot = [&](int sweep, const openvdb::GridBase::Ptr& radiosity) {
-            write(numberedName(a.output, sweep), a, scene, file, {asWritten(a, scene.scene, radiosity)});
+            openvdb::GridPtrVec grids{asWritten(a, scene.scene, radiosity)};
+            if (emission) grids.push_back(emission);
+            write(numberedName(a.output, sweep), a, scene, file, grids);
             commitRunOutputs();  // to be looked at while the work goes on
         };
     }
@@ -284,10 +307,12 @@ int run(LightArguments& a) {
     timer = Timer();
     openvdb::GridPtrVec grids{asWritten(a, scene.scene, lit.radiosity)};
     if (lit.unshot) grids.push_back(lit.unshot);
+    if (lit.emission) grids.push_back(lit.emission);
     write(a.output, a, scene, file, grids);
     if (!a.record.empty()) write(a, file, scene.origin, record);
     const double writeSeconds = timer.seconds();
     comment(a, scene, lit);
+    commentOnFire(a, scene.scene.medium, lit);
     writeReport(a.common, describe(a, scene, lit, readSeconds, writeSeconds));
     if (!a.plot.empty()) plotHistory(a, lit.history);
     return lit.termination == Termination::interrupted ? kInterrupted : kDone;

@@ -54,8 +54,8 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
                  "refusing them");
     app.add_option(
            "--albedo", a.albedo,
-           "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid; "
-           "takes the place of colours of --transfer")
+           "Part of the light that is scattered on where it meets the volume, in [0,1]: one number, R,G,B, or a grid "
+           "(of any transform); takes the place of colours of --transfer")
         ->default_str(kDefaultAlbedo)
         ->type_name("A|grid:NAME");
     app.add_option("--albedo-scale", medium.albedoScale, "Factor on the values of --albedo grid:NAME")
@@ -65,9 +65,15 @@ void addMediumOptions(CLI::App& app, LightArguments& a) {
            "Mean cosine of scattering (Henyey-Greenstein), in (-1,1): above 0 forwards, as in clouds; needs a grey "
            "albedo")
         ->capture_default_str();
-    app.add_option("--emission", a.emission, "Grid of emitted power density, W/unit^3, float or vec3s")
-        ->type_name("grid:NAME");
-    app.add_option("--emission-scale", medium.emissionScale, "Factor on --emission")->capture_default_str();
+    auto* const emission =
+        app.add_option(
+               "--emission", a.emission,
+               "Grid of emitted power density, W/unit^3, float or vec3s, of any resolution and transform, in the "
+               "smoke or beside it; what it gives off is written as grid 'emission' and shown apart from "
+               "radiosity")
+            ->type_name("grid:NAME");
+    app.add_option("--fire", a.fire, "The same: a grid, by its name alone")->type_name("NAME")->excludes(emission);
+    app.add_option("--emission-scale", medium.emissionScale, "Factor on --emission or --fire")->capture_default_str();
 }
 
 void addLightSourceOptions(CLI::App& app, LightArguments& a) {
@@ -265,7 +271,7 @@ void addFileRoles(CLI::App& app, const LightArguments& a) {
 void addLightOptions(CLI::App& app, LightArguments& a) {
     app.add_option("input", a.input, "Volume to light")->required()->type_name("IN.vdb");
     app.add_option("-o,--output", a.output,
-                   "Lit volume: all grids of the input, and radiosity and unshot, in place of earlier ones")
+                   "Lit volume: all grids of the input, and radiosity, unshot and emission, in place of earlier ones")
         ->type_name("OUT.vdb");
     addMediumOptions(app, a);
     addLightSourceOptions(app, a);
@@ -297,6 +303,7 @@ void completeOptions(LightArguments& a, const CLI::App& command) {
     if (medium.albedo && !isGrey(*medium.albedo) && medium.g != 0)
         usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
     if (!a.emission.empty()) medium.emission = gridName(a.emission, "--emission");
+    if (!a.fire.empty()) medium.emission = namesGrid(a.fire) ? gridName(a.fire, "--fire") : a.fire;
     a.scene.suns = parseSuns(a);
     a.scene.points = parsePoints(a);
     a.scene.quads = parseQuads(a);

@@ -17,7 +17,7 @@ struct LightArguments {
     CommonOptions common;
     IlluminateOptions options;
     SceneOptions scene;  ///< completed by completeOptions, but for a table that is to be read
-    std::string input, output, albedo, emission, plot, record;
+    std::string input, output, albedo, emission, fire, plot, record;
     TransferArguments transfer;
     SkyArguments sky;
     std::string quality;

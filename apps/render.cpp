@@ -60,7 +60,9 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->type_name("R,G,B");
     addRenderSource(app, a.source);
     app.option_defaults()->group("Picture");
-    app.add_option("--step", a.options.step, "Distance between samples, voxels")->capture_default_str();
+    app.add_option("--step", a.options.step,
+                   "Distance between samples, voxels; where something shines by itself at most 0.25, and of that 0.125")
+        ->capture_default_str();
     app.add_option("--samples", a.options.samples, "Rays per pixel along each side: 2 means 2 x 2")
         ->capture_default_str();
     app.add_flag("--lambert", a.options.lambert, "Multiply by the cosine between view and surface normal");
@@ -113,8 +115,8 @@ Camera lensFrom(const Arguments& a) {
 }
 
 /// `lens` put where the user wants it; whatever is left open frames the volume.
-Camera place(Camera lens, const Arguments& a, const openvdb::GridBase& density) {
-    Box3 bounds = worldBounds(density);
+Camera place(Camera lens, const Arguments& a, const RenderInput& input) {
+    Box3 bounds = worldBounds(input);
     if (bounds.isEmpty()) bounds = Box3(Vec3(-1), Vec3(1));  // an empty volume shows the background
     const Camera whole = framed(lens, bounds);
     lens.target = a.target.empty() ? whole.target : parseVec3(a.target, "--target");
@@ -150,6 +152,7 @@ nlohmann::ordered_json describe(const Arguments& a, const RenderInput& input, co
                                    {"height", camera.height},
                                    {"density", input.density->getName()},
                                    {"extinction", input.extinctionScale},
+                                   {"emission", bool(input.emission)},
                                    {"step", a.options.step},
                                    {"samples", a.options.samples},
                                    {"lambert", a.options.lambert},
@@ -179,7 +182,7 @@ int run(Arguments& a, const CLI::App& command) {
     const ThreadLimit limit = start(a.common);
     const Camera lens = requireArguments(a, command);
     const RenderInput input = renderInput(a.source);
-    const Camera camera = place(lens, a, *input.density);
+    const Camera camera = place(lens, a, input);
 
     const int frames = a.turntable ? a.turntable : 1;
     const Timer timer;

@@ -204,7 +204,7 @@ void writeRig(const std::string& folder, const Arguments& a, const Poses& poses)
 
 /// Cameras for the volume; says if it will be cut off.
 void placeCameras(Arguments& a, const RenderInput& volume) {
-    const Box3 bounds = worldBounds(*volume.density);
+    const Box3 bounds = worldBounds(volume);
     if (bounds.isEmpty())
         throw InvalidArgument("'" + a.source.input + "': the grid '" + volume.density->getName() +
                               "' has no active voxels, so there is nothing to photograph");
@@ -225,7 +225,7 @@ int run(Arguments& a) {
     const RenderInput volume = renderInput(a.source);
     placeCameras(a, volume);
     Poses poses;
-    poses.bounds = worldBounds(*volume.density);
+    poses.bounds = worldBounds(volume);
     double alpha = 0;
     const Timer timer;
     TerminalProgress terminal(a.common);

@@ -110,16 +110,17 @@ openvdb::FloatGrid::Ptr extinctionOf(const Arguments& a, const openvdb::FloatGri
 }
 
 /// The grids of `file` besides light that it had, with what the machine has lit and its light.
-/// @param extinction 1/world unit
+/// @param extinction 1/world unit  @param emission what shines by itself; may be null
 void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid& extinction, const cube4::DenseBox& box,
-              const cube4::DenseField& radiosity) {
+              const cube4::DenseField& radiosity, const openvdb::GridBase::ConstPtr& emission = nullptr) {
     openvdb::GridPtrVec grids;
     for (const openvdb::GridBase::Ptr& grid : file.grids) {
         const std::string name = grid->getName();
         if (name == "extinction" && a.replay.empty() && a.grid != name)
             warning(a.machine.common,
                     "a grid 'extinction' of '" + a.input + "' is left out: what was lit is called so");
-        if (name != "radiosity" && name != "unshot" && name != "extinction") grids.push_back(grid);
+        const bool isEmission = name == "emission" && (*grid)["raysweep_density"];  // not one of the user's own
+        if (name != "radiosity" && name != "unshot" && name != "extinction" && !isEmission) grids.push_back(grid);
     }
     grids.push_back(extinction.deepCopyGrid());
     grids.back()->setName("extinction");
@@ -130,6 +131,12 @@ void writeLit(const Arguments& a, const VdbFile& file, const openvdb::FloatGrid&
     grids.back()->insertMeta("raysweep_density", openvdb::StringMetadata("extinction"));
     grids.back()->insertMeta("raysweep_extinction", openvdb::DoubleMetadata(1));
     for (auto own = grids.end() - 2; own != grids.end(); ++own) requireFiniteResult(**own, kTooLarge);
+    if (emission) {
+        // Before one of the user's own: other programs take the first of a name.
+        grids.insert(grids.begin(), emission->deepCopyGrid());
+        grids.front()->insertMeta("raysweep_density", openvdb::StringMetadata("extinction"));
+        grids.front()->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
+    }
     writeVdb(a.output, {grids.begin(), grids.end()});
 }
 
@@ -156,7 +163,8 @@ int replayRecord(const Arguments& a, TerminalProgress& progress) {
     printUse("machine", a.machine, useOf(result, record.box.voxels(), seconds));
     if (!a.output.empty()) {
         const auto extinction = cube4::fieldOf(record.file, "extinction");
-        writeLit(a, file, static_cast<const openvdb::FloatGrid&>(*extinction), record.box, result.radiosityFields[0]);
+        writeLit(a, file, static_cast<const openvdb::FloatGrid&>(*extinction), record.box, result.radiosityFields[0],
+                 cube4::fieldOf(record.file, "emission", true));
     }
     writeReport(a.machine.common, describeReplay(a.machine, record, result, seconds));
     return kDone;

@@ -83,8 +83,19 @@ double litExtinction(const openvdb::GridBase& radiosity) {
     return scale ? scale->value() : 1;
 }
 
+/// What the machine has no memory for.
+void warnOfFire(const Arguments& a, const VdbFile& file) {
+    for (const openvdb::GridBase::Ptr& grid : file.grids)
+        if (grid->getName() == "emission" && (*grid)["raysweep_density"])
+            warning(a.machine.common,
+                    "'" + a.input +
+                        "': what its grid 'emission' gives off by itself is not shown; the light that "
+                        "is scattered of it is");
+}
+
 cube4::LitVolume litVolume(const Arguments& a) {
     const VdbFile file = readVdb(a.input);
+    warnOfFire(a, file);
     const openvdb::GridBase::ConstPtr lit = selectGrid(file, "radiosity");
     const bool own = a.grid.empty() && gridCalled(file, "extinction");
     const openvdb::FloatGrid::Ptr density = selectDensity(file, own ? "extinction" : a.grid);

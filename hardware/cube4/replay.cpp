@@ -130,7 +130,11 @@ DenseField answerOf(const IlluminationRecord& record, const DenseMedium& medium,
         }
         if (const double sum = sumOf(all); sum > 0) settledShare = std::max(settledShare, moved / sum);
     }
-    return radiosity(medium, setupFor(record, {}), all, std::max(1, record.injections));
+    const auto scattered = fieldOf(record.file, "source_scattered", true);
+    if (!scattered) return radiosity(medium, setupFor(record, {}), all, std::max(1, record.injections));
+    DenseMedium shown = medium;  // what a fire emits shines by itself
+    shown.source = denseField(*scattered, record.box, channel);
+    return radiosity(shown, setupFor(record, {}), all, std::max(1, record.injections));
 }
 
 }  // namespace

@@ -33,6 +33,7 @@
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/phantoms/engine_room.h"
 #include "raysweep/phantoms/exact_projections.h"
+#include "raysweep/phantoms/explosion.h"
 #include "raysweep/phantoms/phantom.h"
 #include "raysweep/phantoms/triangles.h"
 #include "raysweep/projector/project_grid.h"

@@ -9,6 +9,7 @@
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <limits>
@@ -130,6 +131,37 @@ Grids uniform(float value, double edge) {
     return {filled<FloatGrid>("density", value, Transform::createLinearTransform(edge))};
 }
 
+/// Smoke from 1e-6 to 1, in an order that has no end, with fire of 1 on voxels half as long, turned about their common
+/// middle by `angle` and moved along x: 24^3 of them, of 0.05 units.
+Grids fire(double angle, double along) {
+    const FloatGrid::Ptr smoke = density();
+    for (auto on = smoke->beginValueOn(); on; ++on) {
+        const Coord at = on.getCoord();
+        on.setValue(std::pow(10.0f, -6 * float((at.x() * 7 + at.y() * 5 + at.z() * 3) % 11) / 10));
+    }
+    const auto burning = FloatGrid::create();
+    burning->denseFill(CoordBBox(Coord(0), Coord(23)), 1.0f);
+    burning->setName("fire");
+    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+    matrix.preTranslate(Vec3d(-11.5));
+    matrix.postScale(Vec3d(0.5 * kSize[0]));
+    if (angle != 0) matrix *= openvdb::math::rotation<openvdb::Mat4d>(Vec3d(1, 2, 3).unit(), angle);
+    matrix.postTranslate(Vec3d(0.55 + along, 0.45, 0.35));
+    burning->setTransform(Transform::createLinearTransform(matrix));
+    return {smoke, burning};
+}
+
+/// The same with a voxel of fire set, or all of them.
+Grids badFire(float value, bool all) {
+    Grids grids = fire(0, 0);
+    const auto burning = openvdb::gridConstPtrCast<FloatGrid>(grids[1])->deepCopy();
+    if (all)
+        burning->denseFill(CoordBBox(Coord(0), Coord(23)), value);
+    else
+        burning->tree().setValue(Coord(3, 4, 5), value);
+    return {grids[0], burning};
+}
+
 const std::map<std::string, std::function<Grids()>> kMakers = {
     {"plain", [] { return Grids{density()}; }},
     {"materials", materials},
@@ -175,6 +207,11 @@ const std::map<std::string, std::function<Grids()>> kMakers = {
          return withMatrix({.1, 0, 0, 0, .05, .1, 0, 0, 0, .02, .1, 0, 0, 0, 0, 1});
      }},
     {"turned-cloud", turnedCloud},
+    {"fire", [] { return fire(0, 0); }},
+    {"turned-fire", [] { return fire(0.7, 0.4); }},
+    {"fire-beside", [] { return fire(0.7, 5); }},
+    {"no-fire", [] { return badFire(0, true); }},
+    {"nan-fire", [] { return badFire(std::numeric_limits<float>::quiet_NaN(), false); }},
     {"frustum",
      [] {
          const openvdb::BBoxd box(Vec3d(0), Vec3d(12, 10, 8));

@@ -108,24 +108,24 @@ TEST(Resolution, EmittedPowerIsKept) {
     }
 }
 
-// Where emission is in proportion to extinction and nothing is scattered, radiosity is one number: emission / (4 pi
-// extinction). It must be just that wherever a ray can meet the fine density, one voxel beyond it included, or edges
-// would darken in pictures.
+// In a furnace radiosity is one number, 1. It must be about that wherever a ray can meet the fine density, one voxel
+// beyond it included, or edges would darken in pictures: mixed with nothing it would be 1/2.
 TEST(Resolution, RadiosityReachesAllThatTheFineDensityReaches) {
     for (const double resolution : {0.95, 0.7, 0.5, 1 / 3.0, 0.1, 0.03}) {
         Scene scene;
         const FloatGrid::Ptr density = noiseBall(11, 0.1, 1);
         density->tree().setValueOn(Coord(40, -33, 21), 0.5f);
         scene.medium.density = density;
-        scene.medium.emission = density;
-        scene.medium.emissionScale = 4 * kPi;
-        scene.medium.albedo = grey(0);
-        const Illumination lit = illuminate(atResolution(scene, resolution));
+        scene.medium.albedo = grey(1);
+        scene.sky.radiance = grey(1);
+        IlluminateOptions options;
+        options.tolerance = 0;
+        options.sweeps = 512;
+        const Illumination lit = illuminate(atResolution(scene, resolution), options);
         const auto sampled = openvdb::gridPtrCast<FloatGrid>(sampledOnto(*lit.radiosity, *density, 1));
         EXPECT_GT(sampled->activeVoxelCount(), density->activeVoxelCount());
         for (auto on = sampled->cbeginValueOn(); on; ++on)
-            // The fit of the escape probability cancels but for roundings: found 2.4e-7, four of a float below 1.
-            ASSERT_NEAR(*on, 1, 2.6e-7) << "resolution " << resolution << " at " << on.getCoord();
+            ASSERT_NEAR(*on, 1, 0.2) << "resolution " << resolution << " at " << on.getCoord();
     }
 }
 

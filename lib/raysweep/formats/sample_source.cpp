@@ -1,5 +1,6 @@
 #include "raysweep/formats/sample_source.h"
 
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/formats/header_lines.h"
 #include "raysweep/formats/read_failure.h"
 

@@ -36,6 +36,7 @@ openvdb::GridBase::Ptr finalGrid(SolverState& state, const Scene& scene) {
         computeRadiosity(state, c, BrickField(), swept ? field : own);
         radiosity.push_back(std::move(swept ? field : own));
         state.power.recent[c] = BrickField();
+        state.power.scattered[c] = BrickField();
     }
     // Without a sweep the sources are what is unshot, and still needed.
     if (state.power.injections > 0)

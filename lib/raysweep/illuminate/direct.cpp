@@ -2,6 +2,7 @@
 
 #include "raysweep/bricks/brick_grids.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/emission.h"
 #include "raysweep/illuminate/quad.h"
 #include "raysweep/illuminate/voxel_radiance.h"
 #include "raysweep/sweep/diverging_front.h"
@@ -138,17 +139,11 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
     });
 }
 
-/// The part of power emitted in a voxel that leaves it.
-double emittedThatLeaves(const SolverState& state, double tau, double albedo, bool surface) {
-    if (surface || state.medium.model == ExchangeModel::asPrinted) return 1;
-    return leavingShare(albedo, state.medium.escape.fit().probability(tau));
-}
-
 /// Sums over voxels that emit.
 struct EmissionBooks {
-    double emitted = 0, left = 0, voxels = 0, invisible = 0;
+    double emitted = 0, left = 0, voxels = 0;
     EmissionBooks& operator+=(const EmissionBooks& o) {
-        emitted += o.emitted, left += o.left, voxels += o.voxels, invisible += o.invisible;
+        emitted += o.emitted, left += o.left, voxels += o.voxels;
         return *this;
     }
 };
@@ -164,10 +159,14 @@ EmissionBooks addEmitted(SolverState& state, int c, const BrickField& emitted) {
             const double power = double(emitted.brick(b)[i]);
             if (power == 0) continue;
             const bool surface = normals && normals[i] != 0;
-            const auto leaves = float(power * emittedThatLeaves(state, double(tau[i]), double(albedo[i]), surface));
+            const EmittedShares shares =
+                surface ? EmittedShares{1, 0} : emittedShares(state.medium, double(tau[i]), double(albedo[i]));
+            const auto leaves = float(power * shares.leaving);
             state.power.source[c].brick(b)[i] += leaves;
             if (surface) state.solid.emitted[c].brick(state.solid.surfaces.slots[b])[i] += leaves;
-            sum += {power, double(leaves), 1.0, tau[i] > 0 ? 0.0 : 1.0};
+            if (!state.power.scattered[c].empty())
+                state.power.scattered[c].brick(b)[i] += float(power * shares.scattered);
+            sum += {power, double(leaves), 1.0};
         }
         return sum;
     });
@@ -176,15 +175,17 @@ EmissionBooks addEmitted(SolverState& state, int c, const BrickField& emitted) {
     return books;
 }
 
-Emitters addEmission(SolverState& state, const Medium& medium) {
+Emitters addEmission(SolverState& state, double scale) {
     const BrickLayout& layout = state.medium.volume.layout;
     Emitters emitters;
     for (int c = 0; c < state.medium.channels; ++c) {
+        state.power.scattered[c] = BrickField(layout.brickCount());
+        std::copy_n(state.power.source[c].brick(0), layout.brickCount() * kBrickVoxels,
+                    state.power.scattered[c].brick(0));
         const EmissionBooks books = addEmitted(
-            state, c,
-            gatherChannel(layout, *medium.emission, c, medium.emissionScale * layout.voxelVolume / state.power.unit));
+            state, c, gatherChannel(layout, *state.emission, c, scale * layout.voxelVolume / state.power.unit));
         emitters.voxels = std::max(emitters.voxels, std::size_t(books.voxels));
-        emitters.invisible = std::max(emitters.invisible, std::size_t(books.invisible));
+        emitters.power += books.emitted * state.power.unit;
     }
     return emitters;
 }
@@ -216,27 +217,28 @@ double largestValue(const openvdb::GridBase& grid) {
 }
 
 /// About the largest power that any one voxel or ray will carry, W.
-double choosePowerUnit(const Scene& scene, const BrickLayout& layout) {
+double choosePowerUnit(const Scene& scene, const SolverState& state) {
+    const BrickLayout& layout = state.medium.volume.layout;
     const double area = std::pow(layout.voxelVolume, 2.0 / 3.0);
     double unit = 4 * kPi * area * double(maxComponent(scene.sky.radiance));
     for (const Sun& sun : scene.suns) unit = std::max(unit, area * double(maxComponent(sun.irradiance)));
     for (const QuadLight& quad : scene.quads) unit = std::max(unit, kPi * area * double(maxComponent(quad.radiance)));
     for (const PointLight& point : scene.points) unit = std::max(unit, double(maxComponent(point.power)));
-    if (scene.medium.emission)
-        unit = std::max(unit, largestValue(*scene.medium.emission) * scene.medium.emissionScale * layout.voxelVolume);
+    if (state.emission)
+        unit = std::max(unit, largestValue(*state.emission) * scene.medium.emissionScale * layout.voxelVolume);
     return unit > 0 ? unit : 1;
 }
 
 }  // namespace
 
 Emitters addDirectLight(SolverState& state, const Scene& scene) {
-    state.power.unit = choosePowerUnit(scene, state.medium.volume.layout);
+    state.power.unit = choosePowerUnit(scene, state);
     allocateSources(state, scene);
     const openvdb::math::Transform& transform = scene.medium.density->transform();
     for (const Sun& sun : scene.suns) addSun(state, sun);
     for (const PointLight& point : scene.points) addPoint(state, point, transform);
     Emitters emitters;
-    if (scene.medium.emission) emitters = addEmission(state, scene.medium);
+    if (state.emission) emitters = addEmission(state, scene.medium.emissionScale);
     for (std::size_t i = 0; i < scene.quads.size(); ++i)
         emitters.voxels += addQuad(state, scene.quads[i], *state.solid.quadAreas[i]);
     // What the paper's model shows of any light is what it deposits.

@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/illuminate/answer.h"
 #include "raysweep/illuminate/direct.h"
+#include "raysweep/illuminate/emission.h"
 #include "raysweep/illuminate/power_balance.h"
 #include "raysweep/illuminate/sweep_recorder.h"
 #include "raysweep/illuminate/sweeps.h"
@@ -71,10 +72,16 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
 
     timer = Timer();
     const Emitters emitters = addDirectLight(state, scene);
-    result.invisibleEmitters = emitters.invisible;
+    result.emittedPower = emitters.power;
+    result.emission = shownEmission(state, scene.medium);
+    if (result.emission && options.shines) options.shines(result.emission);
     result.sweepsToReach = sweepsToReach(state.medium.volume.layout, emitters.voxels);
+    state.emission.reset();
     result.seconds.direct = timer.seconds();
-    if (options.record) recordScene(*options.record, state, scene, options);
+    if (options.record) {
+        recordScene(*options.record, state, scene, options);
+        options.record->emission = result.emission;
+    }
     if (!report(progress, "direct light", 1))
         result.termination = Termination::interrupted;
     else if (result.plan.sweeps && state.medium.volume.layout.brickCount() > 0)

@@ -19,6 +19,9 @@ struct IlluminationTimings {
 struct Illumination {
     openvdb::GridBase::Ptr
         radiosity;  ///< source radiance, W m^-2 sr^-1: FloatGrid if grey, else Vec3SGrid; one voxel wider
+    /// What shines by itself and is no part of radiosity: emitted power per volume, W m^-3, on the voxels of the
+    /// medium's own `emission` and one around them. Null where there is none, or all of it is of surfaces.
+    openvdb::GridBase::Ptr emission;
     openvdb::GridBase::Ptr unshot;  ///< unshot power, W; null where the scene needs none
     Plan plan;
     PowerBalance power;
@@ -29,9 +32,8 @@ struct Illumination {
     /// Work on coarse levels before the first sweep and after the last, in sweeps of the solution's own level.
     double coarseSweeps = 0;
     std::size_t activeVoxels = 0;
-    double thickShare = 0;  ///< part of the active voxels whose optical depth is above 2: too coarse to be accurate
-    std::size_t invisibleEmitters =
-        0;  ///< voxels that emit but have no extinction: they light others, unseen themselves
+    double thickShare = 0;    ///< part of the active voxels whose optical depth is above 2: too coarse to be accurate
+    double emittedPower = 0;  ///< of the medium's `emission`, W, of all wavelengths
     std::size_t surfaceVoxels = 0;
     /// About how many sweeps it takes until the voxels that emit (quads, emission) have once lit every other one; 0
     /// without emitters. Where it is large, a point light says the same in one pass.

@@ -77,6 +77,8 @@ void writeRecord(const std::string& path, const IlluminationRecord& record) {
     add(record.albedoGrid, "albedo");
     add(record.normals, "normal");
     add(record.source, "source");
+    add(record.scattered, "source_scattered");
+    add(record.emission, "emission");
     add(record.unshotStart, "unshot_start");
     add(record.deposit, "deposit");
     add(record.unshot, "unshot");

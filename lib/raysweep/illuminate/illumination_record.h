@@ -58,6 +58,8 @@ struct IlluminationRecord {
     openvdb::GridBase::Ptr albedoGrid;      ///< null: uniform
     openvdb::GridBase::Ptr normals;         ///< of surface voxels, outwards, world space; null: no surfaces
     openvdb::GridBase::Ptr source;          ///< power that each injection adds to U; null: none
+    openvdb::GridBase::Ptr scattered;       ///< the part of it that radiosity shows; null: all
+    openvdb::GridBase::Ptr emission;        ///< what shines by itself, see Illumination; null: nothing
     openvdb::GridBase::Ptr unshotStart;     ///< U before the first group; null: 0
     openvdb::GridBase::Ptr deposit;         ///< D after the last group, the sum over all of them
     openvdb::GridBase::Ptr unshot;          ///< U after the last group

@@ -60,9 +60,11 @@ struct IlluminateOptions {
     std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits
     Periodic periodic{false, false, false};  ///< axes of index space along which the bricks' bounding box repeats
     /// Called after each `snapshotEvery` sweeps (0: never) with the number of sweeps and the estimate of radiosity so
-    /// far, unshot power spread.
+    /// far, unshot power spread; `shines`, called before, with what shines by itself all the while
+    /// (Illumination::emission), if anything does.
     int snapshotEvery = 0;
     std::function<void(int sweep, openvdb::GridBase::Ptr radiosity)> snapshot;
+    std::function<void(openvdb::GridBase::Ptr emission)> shines;
     /// Called after every sweep with what its rays carried, W, for those who want to look closer.
     std::function<void(const Vec3& direction, const RaySums& totals)> afterSweep;
     /// Filled with all that it takes to make the same sweeps again; null: nothing is recorded. Periodic volumes

@@ -60,7 +60,9 @@ Plan planIllumination(const Scene& scene, const IlluminateOptions& options) {
         plan.reasons.push_back("no sweeps: there is no light");
     else if (!plan.sweeps)
         plan.reasons.push_back("no sweeps: direct light only");
-    if (medium.emission) plan.reasons.push_back("emission: power is added to what is unshot, no direct pass");
+    if (medium.emission)
+        plan.reasons.push_back(
+            "emission: its power is added to what is unshot, no direct pass; it shows by itself, apart from radiosity");
     if (!scene.quads.empty())
         plan.reasons.push_back(std::to_string(scene.quads.size()) +
                                " quad light(s): power is added to what is unshot, no direct pass");

@@ -4,9 +4,10 @@
 #include "raysweep/bricks/brick_map.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/illuminate/emission.h"
 #include "raysweep/illuminate/quad.h"
 #include "raysweep/volume/active_values.h"
-#include "raysweep/volume/grid_transform.h"
+#include "raysweep/volume/albedo_grid.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
@@ -24,16 +25,6 @@ BrickField uniformBrick(float value) {
     return field;
 }
 
-void checkEmission(const openvdb::GridBase& grid) {
-    if (grid.isType<openvdb::FloatGrid>())
-        checkVoxels(static_cast<const openvdb::FloatGrid&>(grid), "emission");
-    else if (grid.isType<openvdb::Vec3SGrid>())
-        checkVoxels(static_cast<const openvdb::Vec3SGrid&>(grid), "emission");
-    else
-        throw InvalidArgument("emission grid '" + grid.getName() + "' is of type " + grid.type() +
-                              "; give a float or vec3s grid");
-}
-
 /// Makes the voxels that a quad passes a surface that looks where the quad does.
 void addQuadNormals(SolverState& state, const QuadLight& quad, const openvdb::FloatGrid& areas) {
     const PackedNormal normal = packNormal(quad.u.cross(quad.v).normalized());
@@ -46,7 +37,7 @@ void addQuadNormals(SolverState& state, const QuadLight& quad, const openvdb::Fl
 
 /// Bytes per voxel of a brick at the peak: tau and the fields of each wavelength.
 std::size_t bytesPerVoxel(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
-    const std::size_t perChannel = 4 + (scene.medium.albedoGrid ? 1 : 0) +
+    const std::size_t perChannel = 4 + (scene.medium.albedoGrid ? 1 : 0) + (scene.medium.emission ? 1 : 0) +
                                    (options.interpolation == Interpolation::linear ? 1 : 0) +
                                    (options.snapshotEvery > 0 ? 1 : 0);
     const std::size_t ofSurfaces = plan.surfaces ? 2 + 2 * std::size_t(plan.channels) : 0;
@@ -66,9 +57,9 @@ bool mayStartCoarse(const IlluminateOptions& options) {
 SolverState prepareState(const Scene& scene, const IlluminateOptions& options, const Plan& plan) {
     const Medium& medium = scene.medium;
     checkVoxels(*medium.density, "density");
-    if (medium.emission) checkEmission(*medium.emission);
+    const openvdb::GridBase::ConstPtr emission = emissionOnVoxels(medium);
     std::vector<openvdb::GridBase::ConstPtr> grids{medium.density};
-    if (medium.emission) grids.push_back(medium.emission);
+    if (emission) grids.push_back(emission);
     std::vector<openvdb::FloatGrid::Ptr> quadAreas;
     for (const QuadLight& quad : scene.quads) {
         quadAreas.push_back(rasterizeQuad(quad, medium.density->transform()));
@@ -77,6 +68,7 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     BrickLayout layout = layoutBricks(grids, bytesPerVoxel(scene, options, plan));
     Escape escape(layout.worldFromIndex);
     SolverState state(std::move(layout), options.periodic, std::move(escape));
+    state.emission = emission;
     state.medium.model = options.exchange == Exchange::paper ? ExchangeModel::asPrinted : ExchangeModel::corrected;
     state.solid.threshold = options.surfaceThreshold;
     state.solid.present = plan.surfaces;
@@ -102,13 +94,9 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
         addQuadNormals(state, scene.quads[i], *state.solid.quadAreas[i]);
     state.power.zero = uniformBrick(0);
     state.medium.uniformAlbedo = !medium.albedoGrid;
-    if (medium.albedoGrid) {
-        checkAlbedo(*medium.albedoGrid);
-        requireSameTransform(*medium.albedoGrid, *medium.density);
-    }
+    const openvdb::GridBase::ConstPtr albedo = medium.albedoGrid ? albedoOnDensity(medium) : nullptr;
     for (int c = 0; c < state.medium.channels; ++c)
-        state.medium.albedo[c] =
-            medium.albedoGrid ? gatherChannel(bricks, *medium.albedoGrid, c, 1) : uniformBrick(medium.albedo[c]);
+        state.medium.albedo[c] = albedo ? gatherChannel(bricks, *albedo, c, 1) : uniformBrick(medium.albedo[c]);
     return state;
 }
 

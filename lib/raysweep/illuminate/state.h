@@ -49,6 +49,9 @@ struct PowerFields {
     double unit = 1;  ///< W
     /// What each injection adds to what is to be shot; empty without direct light or emission.
     BrickField source[kMaxChannels];
+    /// The part of `source` that a medium's radiosity shows: all but what is emitted and has not been scattered yet
+    /// (emission.h). Empty without emission, where it is `source`.
+    BrickField scattered[kMaxChannels];
     BrickField unshot[kMaxChannels];
     BrickField recent[kMaxChannels];  ///< deposit since the last look (convergence.h)
     BrickField total[kMaxChannels];   ///< deposit up to the last look
@@ -60,6 +63,9 @@ struct PowerFields {
     PowerBalance swept;         ///< what rays of all sweeps so far brought in and out, in `unit`
 
     bool hasSource() const { return !source[0].empty(); }
+    const BrickField& scatteredSource(int channel) const {
+        return scattered[channel].empty() ? source[channel] : scattered[channel];
+    }
 };
 
 struct SolverState {
@@ -67,6 +73,7 @@ struct SolverState {
         : medium(std::move(layout), periodic, std::move(ofVoxels)) {}
 
     MediumFields medium;
+    openvdb::GridBase::ConstPtr emission;  ///< on the voxels of the density, see emissionOnVoxels; null: none
     SolidFields solid;
     PowerFields power;
 

@@ -49,6 +49,7 @@ void recordScene(IlluminationRecord& record, const SolverState& state, const Sce
     else
         record.albedoGrid = gridOf(medium.albedo);
     if (state.power.hasSource()) record.source = gridOf(state.power.source);
+    if (!state.power.scattered[0].empty()) record.scattered = gridOf(state.power.scattered);
     for (auto* const unknown : {&record.deposit, &record.unshot})  // until there are sweeps
         *unknown = sparseGridFromFields({}, scene.medium.density->transform(), nullptr, medium.channels);
 }

@@ -49,7 +49,7 @@ BrickRadiance::BrickRadiance(const SolverState& state, int channel, std::size_t 
     : state_(state),
       normals_(state.solid.surfaces.normals(b)),
       tau_(state.medium.tau.brick(b)),
-      source_(state.power.hasSource() ? state.power.source[channel].brick(b) : state.power.zero.brick(0)) {
+      source_(state.power.hasSource() ? state.power.scatteredSource(channel).brick(b) : state.power.zero.brick(0)) {
     effectiveAlbedos(state, channel, b, g_);
     absorbingAreas(state.medium, b, perPower_);
     const float face = float(state.medium.voxelFace() / (4 * kPi));

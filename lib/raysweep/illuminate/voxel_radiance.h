@@ -1,10 +1,10 @@
 /// From what single voxels meet to what they are: source radiance and absorbed power.
 ///
-///     S = (q + g D / n) / F,      F = 4 pi s V p  in a medium, measured at surfaces              (L5)
-///     absorbed = (1 - g) D / n  = 4 pi s V S (1 - albedo) / albedo  where nothing is emitted
+///     S = (q_s + g D / n) / F,    F = 4 pi s V p  in a medium, measured at surfaces              (L5)
+///     absorbed = (1 - g) D / n  = 4 pi s V S (1 - albedo) / albedo
 ///
-/// with q the source, D the deposit of n injections, s the extinction, V the voxel's volume, p its escape probability
-/// and g its effective albedo (sweep/escape.h, eq. L3 and L4; docs/illumination.md, eq. L5).
+/// with q_s the scattered part of the source, D the deposit of n injections, s the extinction, V the voxel's volume, p
+/// its escape probability and g its effective albedo (sweep/escape.h, eq. L3 and L4; docs/illumination.md, eq. L5).
 #pragma once
 
 #include "raysweep/illuminate/state.h"

@@ -75,6 +75,9 @@ void sampleSteps1(const float* block, const BlockSteps& steps, StepValue<1>* val
 void sampleSteps2(const float* block, const BlockSteps& steps, StepValue<2>* values) {
     sample<2>(block, steps, values);
 }
+void sampleSteps3(const float* block, const BlockSteps& steps, StepValue<3>* values) {
+    sample<3>(block, steps, values);
+}
 void sampleSteps4(const float* block, const BlockSteps& steps, StepValue<4>* values) {
     sample<4>(block, steps, values);
 }
@@ -97,6 +100,7 @@ namespace raysweep {
 
 HWY_EXPORT(sampleSteps1);
 HWY_EXPORT(sampleSteps2);
+HWY_EXPORT(sampleSteps3);
 HWY_EXPORT(sampleSteps4);
 HWY_EXPORT(opacitiesOf);
 
@@ -107,6 +111,10 @@ void sampleSteps<1>(const float* block, const BlockSteps& steps, StepValue<1>* v
 template <>
 void sampleSteps<2>(const float* block, const BlockSteps& steps, StepValue<2>* values) {
     HWY_DYNAMIC_DISPATCH(sampleSteps2)(block, steps, values);
+}
+template <>
+void sampleSteps<3>(const float* block, const BlockSteps& steps, StepValue<3>* values) {
+    HWY_DYNAMIC_DISPATCH(sampleSteps3)(block, steps, values);
 }
 template <>
 void sampleSteps<4>(const float* block, const BlockSteps& steps, StepValue<4>* values) {

@@ -12,7 +12,7 @@ struct BlockSteps {
     int count;       ///< at most kMostSteps
 };
 
-/// The values at one step; the first is density.
+/// The values at one step; where opacities are found the first is density.
 template <int kChannels>
 using StepValue = float[kChannels];
 

@@ -3,6 +3,7 @@
 #include "raysweep/bricks/brick_grids.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/volume/channels.h"
 
 #include <algorithm>
 #include <vector>
@@ -66,15 +67,25 @@ CellBlocks makeSharedBlocks(const Int32Tree::Ptr& occupied, const FloatGrid& den
         });
 }
 
+template <class GridType>
+CellBlocks makeOwnBlocks(const Int32Tree::Ptr& occupied, const GridType& grid) {
+    constexpr int kCount = kChannels<typename GridType::ValueType>;
+    constexpr std::size_t kSize = std::size_t(kCount) * kBlockCorners * kBlockCorners * kBlockCorners;
+    return makeBlocks(occupied, kCount,
+                      [&](const std::vector<Coord>& origins, std::size_t first, std::size_t end, float* values) {
+                          BlockFiller<GridType> filler(grid);
+                          for (std::size_t b = first; b < end; ++b) filler.fill(origins[b], values + b * kSize, kCount);
+                      });
+}
+
 }  // namespace
 
-CellBlocks makeBlocks(const Int32Tree::Ptr& occupied, const FloatGrid& density) {
-    return makeBlocks(occupied, 1,
-                      [&](const std::vector<Coord>& origins, std::size_t first, std::size_t end, float* values) {
-                          BlockFiller<FloatGrid> densities(density);
-                          for (std::size_t b = first; b < end; ++b)
-                              densities.fill(origins[b], values + b * kBlockCorners * kBlockCorners * kBlockCorners, 1);
-                      });
+CellBlocks makeBlocks(const Int32Tree::Ptr& occupied, const FloatGrid& grid) {
+    return makeOwnBlocks(occupied, grid);
+}
+
+CellBlocks makeBlocks(const Int32Tree::Ptr& occupied, const Vec3SGrid& grid) {
+    return makeOwnBlocks(occupied, grid);
 }
 
 CellBlocks makeBlocks(const Int32Tree::Ptr& occupied, const FloatGrid& density, const FloatGrid& radiosity) {

@@ -69,10 +69,11 @@ class BlockFiller {
     openvdb::tree::ValueAccessor<const typename GridType::TreeType, false> accessor_;
 };
 
-/// Blocks of density, one channel, in the cells of tiles of 8x8x8 that are active in `occupied` (see occupancy). Larger
-/// tiles stay without blocks: memory is proportional to the voxels of the tree.
+/// Blocks of one grid, one channel or three, in the cells of tiles of 8x8x8 that are active in `occupied` (see
+/// occupancy). Larger tiles stay without blocks: memory is proportional to the voxels of the tree.
 /// @throw InvalidArgument if they need more memory than there is
-CellBlocks makeBlocks(const openvdb::Int32Tree::Ptr& occupied, const openvdb::FloatGrid& density);
+CellBlocks makeBlocks(const openvdb::Int32Tree::Ptr& occupied, const openvdb::FloatGrid& grid);
+CellBlocks makeBlocks(const openvdb::Int32Tree::Ptr& occupied, const openvdb::Vec3SGrid& grid);
 
 /// Blocks of density and radiosity, which share their voxels: two channels or four. There is also one for each leaf of
 /// `radiosity` that lies where `occupied` is active.

@@ -23,16 +23,18 @@ openvdb::GridBase::ConstPtr requireRadiosity(const VdbFile& file) {
     throw error;
 }
 
+/// The smoke and what is scattered in it.
 RenderInput selectInput(const VdbFile& file, const LitVolumeOptions& options) {
     const openvdb::GridBase::ConstPtr radiosity = requireRadiosity(file);
     // A file that was lit with a transfer function holds the extinction itself.
     const openvdb::FloatGrid::Ptr written = litExtinction(file);
-    if (written && options.density.empty() && !options.extinction && !options.transfer) return {written, 1, radiosity};
+    if (written && options.density.empty() && !options.extinction && !options.transfer)
+        return {written, 1, radiosity, nullptr};
     const std::string name = options.density.empty() ? litDensity(*radiosity) : options.density;
     const openvdb::FloatGrid::Ptr density = selectDensity(withoutLight(file), name);
-    if (options.transfer) return {classify(*density, *options.transfer).extinction, 1, radiosity};
+    if (options.transfer) return {classify(*density, *options.transfer).extinction, 1, radiosity, nullptr};
     const auto extinction = options.extinction ? options.extinction : litExtinctionScale(*radiosity);
-    return {density, extinction.value_or(1), radiosity};
+    return {density, extinction.value_or(1), radiosity, nullptr};
 }
 
 /// Adds `factor` times the active values of `grid`, or of their means with `grey`, to `sum`.
@@ -78,6 +80,7 @@ RenderInput litVolume(const VdbFile& file, const LitVolumeOptions& options) {
     options.validate();
     requireOriginal(file);
     RenderInput input = selectInput(file, options);
+    input.emission = litEmission(file);
     if (options.unshot) input.radiosity = withUnshot(file, *input.radiosity, *options.unshot);
     return input;
 }

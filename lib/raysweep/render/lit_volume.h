@@ -22,9 +22,9 @@ struct LitVolumeOptions {
     void validate() const;
 };
 
-/// Density, extinction and radiosity of a lit file. Of a file that was never lit but has colours of its own, a vec3s
-/// grid "Cd" (color_volume.h), these are its source radiance, and density is extinction unless it is said otherwise: so
-/// volumes made of photographs look as they were photographed.
+/// Density, extinction, radiosity and emission of a lit file. Of a file that was never lit but has colours of its own,
+/// a vec3s grid "Cd" (color_volume.h), these are its source radiance, and density is extinction unless it is said
+/// otherwise: so volumes made of photographs look as they were photographed.
 /// @throw InvalidArgument if grids are missing or not of the kind that is needed, if the file was written for Blender,
 /// and what validate throws
 RenderInput litVolume(const VdbFile& file, const LitVolumeOptions& options = {});

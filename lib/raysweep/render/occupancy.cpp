@@ -13,8 +13,11 @@ namespace {
 using openvdb::Coord;
 using openvdb::CoordBBox;
 using openvdb::FloatGrid;
-using openvdb::FloatTree;
-using Leaf = FloatTree::LeafNodeType;
+using openvdb::Vec3SGrid;
+template <class GridType>
+using LeafOf = typename GridType::TreeType::LeafNodeType;
+template <class GridType>
+const typename GridType::ValueType kZero = openvdb::zeroVal<typename GridType::ValueType>();
 using Accessor = openvdb::tree::ValueAccessor<openvdb::Int32Tree, false>;  // not registered: the tree is its own
 
 constexpr int kBlock = 8;  // voxels along a leaf's side
@@ -23,10 +26,11 @@ constexpr int kBlock = 8;  // voxels along a leaf's side
 /// cells before it, which lie in the neighbouring leaf.
 enum LeafContent : std::uint8_t { kAny = 8, kFaceX = 4, kFaceY = 2, kFaceZ = 1 };
 
-std::uint8_t content(const Leaf& leaf) {
+template <class GridType>
+std::uint8_t content(const LeafOf<GridType>& leaf) {
     std::uint8_t result = 0;
     for (auto value = leaf.cbeginValueOn(); value; ++value) {
-        if (*value == 0) continue;
+        if (*value == kZero<GridType>) continue;
         const auto offset = value.pos();  // x<<6 | y<<3 | z
         result |= kAny;
         if ((offset >> 6) == 0) result |= kFaceX;
@@ -72,42 +76,44 @@ void markTile(Accessor& marks, const CoordBBox& tile, int level) {
     markBox(marks, {Coord(first.x(), first.y(), low.z()), Coord(high.x(), high.y(), first.z() - 1)}, shellLevel, side);
 }
 
-void markTiles(Accessor& marks, const FloatGrid& density) {
+template <class GridType>
+void markTiles(Accessor& marks, const GridType& density) {
     auto tile = density.tree().cbeginValueOn();
-    tile.setMaxDepth(FloatTree::ValueOnCIter::LEAF_DEPTH - 1);
+    tile.setMaxDepth(GridType::TreeType::ValueOnCIter::LEAF_DEPTH - 1);
     for (; tile; ++tile) {
         CoordBBox box;
         tile.getBoundingBox(box);
-        if (*tile != 0) markTile(marks, box, int(tile.getLevel()));
+        if (*tile != kZero<GridType>) markTile(marks, box, int(tile.getLevel()));
     }
 }
 
-bool isZeroWhereInactive(const FloatGrid& density, const std::vector<const Leaf*>& leaves) {
-    if (density.background() != 0) return false;
+template <class GridType>
+bool isZeroWhereInactive(const GridType& density, const std::vector<const LeafOf<GridType>*>& leaves) {
+    if (density.background() != kZero<GridType>) return false;
     auto tile = density.tree().cbeginValueOff();
-    tile.setMaxDepth(FloatTree::ValueOffCIter::LEAF_DEPTH - 1);
+    tile.setMaxDepth(GridType::TreeType::ValueOffCIter::LEAF_DEPTH - 1);
     for (; tile; ++tile)
-        if (*tile != 0) return false;
+        if (*tile != kZero<GridType>) return false;
     std::atomic<bool> zero{true};
     parallelFor(leaves.size(), [&](std::size_t i) {
         for (auto value = leaves[i]->cbeginValueOff(); value; ++value)
-            if (*value != 0) zero = false;
+            if (*value != kZero<GridType>) zero = false;
     });
     return zero;
 }
 
-std::vector<const Leaf*> leavesOf(const FloatGrid& density) {
-    std::vector<const Leaf*> leaves;
+template <class GridType>
+std::vector<const LeafOf<GridType>*> leavesOf(const GridType& density) {
+    std::vector<const LeafOf<GridType>*> leaves;
     density.tree().getNodes(leaves);
     return leaves;
 }
 
-}  // namespace
-
-openvdb::Int32Tree::Ptr occupancy(const FloatGrid& density) {
-    const std::vector<const Leaf*> leaves = leavesOf(density);
+template <class GridType>
+openvdb::Int32Tree::Ptr occupancyOf(const GridType& density) {
+    const auto leaves = leavesOf(density);
     std::vector<std::uint8_t> held(leaves.size());
-    parallelFor(leaves.size(), [&](std::size_t i) { held[i] = content(*leaves[i]); });
+    parallelFor(leaves.size(), [&](std::size_t i) { held[i] = content<GridType>(*leaves[i]); });
 
     auto tree = std::make_shared<openvdb::Int32Tree>(kNoBlock);
     Accessor marks(*tree);
@@ -116,12 +122,31 @@ openvdb::Int32Tree::Ptr occupancy(const FloatGrid& density) {
     return tree;
 }
 
-FloatGrid::ConstPtr zeroWhereInactive(const FloatGrid::ConstPtr& density) {
+template <class GridType>
+typename GridType::ConstPtr cleared(const typename GridType::ConstPtr& density) {
     if (isZeroWhereInactive(*density, leavesOf(*density))) return density;
-    FloatGrid::Ptr copy = density->deepCopy();
-    for (auto value = copy->beginValueOff(); value; ++value) value.setValue(0.0f);
-    copy->tree().root().setBackground(0.0f, /*updateChildNodes=*/false);
+    const typename GridType::Ptr copy = density->deepCopy();
+    for (auto value = copy->beginValueOff(); value; ++value) value.setValue(kZero<GridType>);
+    copy->tree().root().setBackground(kZero<GridType>, /*updateChildNodes=*/false);
     return copy;
+}
+
+}  // namespace
+
+openvdb::Int32Tree::Ptr occupancy(const FloatGrid& density) {
+    return occupancyOf(density);
+}
+
+openvdb::Int32Tree::Ptr occupancy(const Vec3SGrid& emission) {
+    return occupancyOf(emission);
+}
+
+FloatGrid::ConstPtr zeroWhereInactive(const FloatGrid::ConstPtr& density) {
+    return cleared<FloatGrid>(density);
+}
+
+Vec3SGrid::ConstPtr zeroWhereInactive(const Vec3SGrid::ConstPtr& emission) {
+    return cleared<Vec3SGrid>(emission);
 }
 
 }  // namespace raysweep

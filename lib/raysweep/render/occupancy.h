@@ -10,9 +10,11 @@ namespace raysweep {
 /// eyes voxel (i,j,k) is the cell [i,i+1) x [j,j+1) x [k,k+1) between eight centres, as math::VolumeHDDA assumes.
 /// Active tiles of `density` count as its voxels do. All values are kNoBlock (cell_blocks.h).
 openvdb::Int32Tree::Ptr occupancy(const openvdb::FloatGrid& density);
+openvdb::Int32Tree::Ptr occupancy(const openvdb::Vec3SGrid& emission);
 
 /// `density` itself if it is 0 wherever it is inactive, else a copy in which it is. A level set or a careless tool may
 /// leave other values there; they are no medium.
 openvdb::FloatGrid::ConstPtr zeroWhereInactive(const openvdb::FloatGrid::ConstPtr& density);
+openvdb::Vec3SGrid::ConstPtr zeroWhereInactive(const openvdb::Vec3SGrid::ConstPtr& emission);
 
 }  // namespace raysweep

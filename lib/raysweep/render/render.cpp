@@ -4,6 +4,7 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/render/cell_blocks.h"
+#include "raysweep/render/fire_marcher.h"
 #include "raysweep/render/occupancy.h"
 #include "raysweep/render/ray_marcher.h"
 #include "raysweep/volume/voxel_check.h"
@@ -36,6 +37,27 @@ struct Pixel {
     float* rgba;
 };
 
+/// Smoke and fire, front to back; one for each thread.
+template <class Marcher>
+class RayFollower {
+  public:
+    RayFollower(const RenderVolume::Content& volume, const RenderOptions& options)
+        : smoke_(volume, options), fire_(fireMarcher(volume, options)) {}
+
+    RayState follow(const Ray& ray) {
+        if (!fire_) return smoke_.follow(ray, nullptr);
+        seen_.clear();
+        RayState state = smoke_.follow(ray, &seen_);
+        state.radiance += fire_->follow(ray, seen_);
+        return state;
+    }
+
+  private:
+    Marcher smoke_;
+    std::unique_ptr<FireMarcher> fire_;
+    TransmittanceAlongRay seen_;
+};
+
 template <class Marcher>
 void renderPixel(Marcher& marcher, const PhotoCamera& camera, const RenderOptions& options, const Pixel& pixel) {
     Color radiance = grey(0);
@@ -60,7 +82,7 @@ bool renderBuckets(const RenderVolume::Content& volume, const PhotoCamera& camer
               down = (image.height + kBucketSide - 1) / kBucketSide;
     const std::size_t count = std::size_t(across) * down;
     const auto renderBucket = [&](std::size_t bucket) {
-        Marcher marcher(volume, options);
+        RayFollower<Marcher> marcher(volume, options);
         const int x0 = int(bucket % across) * kBucketSide, y0 = int(bucket / across) * kBucketSide;
         for (int y = y0; y < std::min(y0 + kBucketSide, image.height); ++y)
             for (int x = x0; x < std::min(x0 + kBucketSide, image.width); ++x)
@@ -78,9 +100,32 @@ bool renderBuckets(const RenderVolume::Content& volume, const PhotoCamera& camer
 template <class RadiosityGrid, int kSharedChannels>
 bool renderGrid(const RenderVolume::Content& volume, const PhotoCamera& camera, const RenderOptions& options,
                 const ProgressCallback& progress, Image& image) {
-    if (volume.blocks.channels == kSharedChannels)
+    if (volume.smoke.blocks.channels == kSharedChannels)
         return renderBuckets<RayMarcher<RadiosityGrid, kSharedChannels>>(volume, camera, options, progress, image);
     return renderBuckets<RayMarcher<RadiosityGrid, 1>>(volume, camera, options, progress, image);
+}
+
+/// Exclusive at its upper end.
+openvdb::CoordBBox boundsOf(const Int32Tree& occupied) {
+    openvdb::CoordBBox bounds;
+    occupied.evalActiveVoxelBoundingBox(bounds);
+    if (!bounds.empty()) bounds.max().offset(1);
+    return bounds;
+}
+
+/// Checks emission, and makes its blocks.
+void prepareFire(RenderVolume::Content& volume, const openvdb::GridBase::ConstPtr& emission) {
+    withTypedGrid(*emission, [&](const auto& grid) {
+        using Grid = std::decay_t<decltype(grid)>;
+        checkVoxels(grid, "emission");
+        const auto clean = zeroWhereInactive(openvdb::gridConstPtrCast<Grid>(emission));
+        const Int32Tree::Ptr occupied = occupancy(*clean);
+        volume.fire.indexFromWorld = affineMatrix(grid, "emission").inverse();
+        volume.fire.bounds = boundsOf(*occupied);
+        volume.fire.blocks = makeBlocks(occupied, *clean);
+        volume.emission = clean;
+    });
+    if (volume.fire.bounds.empty()) volume.emission = nullptr;
 }
 
 /// Checks what holds for radiosity, and makes the blocks.
@@ -89,11 +134,10 @@ void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
     checkVoxels(radiosity, radiosity.getName().empty() ? "radiosity" : radiosity.getName());
     volume.radiosityFromWorld = affineMatrix(radiosity, "radiosity").inverse();
     const Int32Tree::Ptr occupied = occupancy(*volume.density);
-    occupied->evalActiveVoxelBoundingBox(volume.bounds);
-    if (!volume.bounds.empty()) volume.bounds.max().offset(1);
-    volume.blocks = radiosity.transform() == volume.density->transform()
-                        ? makeBlocks(occupied, *volume.density, radiosity)
-                        : makeBlocks(occupied, *volume.density);
+    volume.smoke.bounds = boundsOf(*occupied);
+    volume.smoke.blocks = radiosity.transform() == volume.density->transform()
+                              ? makeBlocks(occupied, *volume.density, radiosity)
+                              : makeBlocks(occupied, *volume.density);
 }
 
 void requireInput(const RenderInput& input) {
@@ -121,8 +165,9 @@ RenderVolume::RenderVolume(const RenderInput& input) {
     content->density = zeroWhereInactive(input.density);
     content->radiosity = input.radiosity;
     content->extinctionScale = input.extinctionScale;
-    content->densityFromWorld = affineMatrix(*content->density, "density").inverse();
+    content->smoke.indexFromWorld = affineMatrix(*content->density, "density").inverse();
     withTypedGrid(*input.radiosity, [&](const auto& radiosity) { prepare(*content, radiosity); });
+    if (input.emission) prepareFire(*content, input.emission);
     content_ = std::move(content);
 }
 
@@ -166,6 +211,12 @@ Box3 worldBounds(const openvdb::GridBase& grid) {
         p = grid.indexToWorld(p);
         bounds.extendBy(Vec3(p.x(), p.y(), p.z()));
     }
+    return bounds;
+}
+
+Box3 worldBounds(const RenderInput& input) {
+    Box3 bounds = worldBounds(*input.density);
+    if (input.emission) bounds.extendBy(worldBounds(*input.emission));
     return bounds;
 }
 

@@ -42,6 +42,15 @@ std::size_t clampGrid(openvdb::GridBase& grid) {
     return clampForHalf(static_cast<openvdb::Vec3SGrid&>(grid));
 }
 
+bool isEmission(const openvdb::GridBase& grid) {
+    return grid.getName() == "emission";
+}
+
+/// Other subcommands leave their version, too; which density was lit only lighting says.
+bool isOfLighting(const openvdb::GridBase& grid) {
+    return grid[kVersionKey] && grid[kDensityKey];
+}
+
 double numberFrom(const openvdb::Metadata& metadata) {
     if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&metadata)) return number->value();
     if (const auto* number = dynamic_cast<const openvdb::FloatMetadata*>(&metadata)) return number->value();
@@ -54,7 +63,10 @@ double numberFrom(const openvdb::Metadata& metadata) {
 
 std::vector<Clamped> writeLit(const std::string& path, const VdbFile& input, const SceneFromFile& made,
                               const LitRecord& record, const openvdb::GridPtrVec& results) {
-    openvdb::GridCPtrVec grids(input.grids.begin(), input.grids.end());
+    openvdb::GridCPtrVec grids;
+    for (const auto& grid : results)
+        if (isEmission(*grid)) grids.push_back(grid);
+    grids.insert(grids.end(), input.grids.begin(), input.grids.end());
     if (made.origin.ownExtinction) {
         const auto extinction = extinctionGrid(made.scene.medium);
         requireFiniteResult(*extinction, describeExtremes(made.scene));
@@ -64,6 +76,7 @@ std::vector<Clamped> writeLit(const std::string& path, const VdbFile& input, con
     std::vector<Clamped> clamped;
     for (const auto& grid : results) {
         setMetadata(*grid, made, record);
+        if (isEmission(*grid)) continue;
         grid->setSaveFloatAsHalf(record.half);
         if (const std::size_t voxels = clampGrid(*grid)) clamped.push_back({grid->getName(), voxels});
         grids.push_back(grid);
@@ -81,10 +94,14 @@ openvdb::GridBase::Ptr litRadiosity(const VdbFile& file) {
 
 openvdb::FloatGrid::Ptr litExtinction(const VdbFile& file) {
     for (const auto& grid : file.grids)
-        // Other subcommands leave their version, too; which density was lit only lighting says.
-        if (grid->getName() == "extinction" && grid->isType<openvdb::FloatGrid>() && (*grid)[kVersionKey] &&
-            (*grid)[kDensityKey])
+        if (grid->getName() == "extinction" && grid->isType<openvdb::FloatGrid>() && isOfLighting(*grid))
             return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+    return nullptr;
+}
+
+openvdb::GridBase::Ptr litEmission(const VdbFile& file) {
+    for (const auto& grid : file.grids)
+        if (isEmission(*grid) && isOfLighting(*grid)) return grid;
     return nullptr;
 }
 
@@ -100,9 +117,9 @@ std::optional<double> litExtinctionScale(const openvdb::GridBase& radiosity) {
 
 VdbFile withoutLight(const VdbFile& file) {
     VdbFile rest{file.path, {}, file.metadata};
-    const openvdb::GridBase::Ptr extinction = litExtinction(file);
+    const openvdb::GridBase::Ptr extinction = litExtinction(file), emission = litEmission(file);
     for (const auto& grid : file.grids)
-        if (grid->getName() != "radiosity" && grid->getName() != "unshot" && grid != extinction)
+        if (grid->getName() != "radiosity" && grid->getName() != "unshot" && grid != extinction && grid != emission)
             rest.grids.push_back(grid);
     return rest;
 }

@@ -21,6 +21,12 @@ struct EscapeFit {
     Real probability(Real t) const {
         return polynomial(b, t) / polynomial(a, t);
     }
+    /// 1 - p without cancellation, to the same relative error for the smallest t.
+    double collision(double t) const {
+        double sum = double(a[kDegree]);
+        for (int k = kDegree; k-- > 0;) sum = double(a[k]) - double(b[k]) + t * sum;
+        return t * sum / polynomial(a, t);
+    }
     /// 1 + c[0] t + ... + c[n - 1] t^n
     template <class Real, int n>
     static Real polynomial(const float (&c)[n], Real t) {

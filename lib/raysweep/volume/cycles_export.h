@@ -17,6 +17,13 @@ namespace raysweep {
 /// @throw InvalidArgument as requireOriginal does
 std::vector<std::string> moveForCycles(VdbFile& file);
 
+/// Makes of `grid`, 0 where inactive, one that Cycles shows whole: tiles become voxels, since of tiles alone it shows
+/// nothing, and a margin of one voxel of 0 is active around them, since it interpolates a
+/// vec3s grid to 0 nowhere else.
+/// Grids that are neither FloatGrid nor Vec3SGrid stay as they are.
+/// @throw InvalidArgument where there is no memory for its voxels
+void extendForCycles(openvdb::GridBase& grid);
+
 /// @throw InvalidArgument if the grids of `file` were moved by moveForCycles, and so are not where they belong.
 void requireOriginal(const VdbFile& file);
 

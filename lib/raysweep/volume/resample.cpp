@@ -1,6 +1,7 @@
 #include "raysweep/volume/resample.h"
 
 #include "raysweep/volume/active_values.h"
+#include "raysweep/volume/albedo_grid.h"
 #include "raysweep/volume/channels.h"
 #include "raysweep/volume/coarsen.h"
 #include "raysweep/volume/grid_transform.h"
@@ -49,19 +50,6 @@ typename GridType::Ptr coarseAlbedo(const GridType& albedo, const FloatGrid& den
     return coarse;
 }
 
-/// On the grids as they are, so that a message says where in them.
-void requireVoxels(const Medium& medium) {
-    checkVoxels(*medium.density, "density");
-    if (medium.albedoGrid) {
-        requireSameTransform(*medium.albedoGrid, *medium.density);
-        checkAlbedo(*medium.albedoGrid);
-    }
-    if (medium.emission) {
-        requireSameTransform(*medium.emission, *medium.density);
-        withTypedGrid(*medium.emission, [](const auto& emission) { checkVoxels(emission, "emission"); });
-    }
-}
-
 template <class GridType, class ShapeType>
 openvdb::GridBase::Ptr sampled(const GridType& grid, const ShapeType& shape, int margin) {
     const auto result = withVoxelsOf<GridType>(shape);
@@ -81,15 +69,14 @@ openvdb::GridBase::Ptr sampled(const GridType& grid, const ShapeType& shape, int
 
 Medium atResolution(const Medium& medium, double resolution) {
     if (resolution == 1) return medium;
-    requireVoxels(medium);
+    checkVoxels(*medium.density, "density");  // as it is, so that a message says where in it
     Medium coarse = medium;
     const auto density = openvdb::gridPtrCast<FloatGrid>(coarsened(*medium.density, resolution));
     coarse.density = density;
     if (medium.albedoGrid)
-        coarse.albedoGrid = withTypedGrid(*medium.albedoGrid, [&](const auto& albedo) -> openvdb::GridBase::Ptr {
+        coarse.albedoGrid = withTypedGrid(*albedoOnDensity(medium), [&](const auto& albedo) -> openvdb::GridBase::Ptr {
             return coarseAlbedo(albedo, *medium.density, *density, resolution);
         });
-    if (medium.emission) coarse.emission = coarsened(*medium.emission, resolution);
     return coarse;
 }
 

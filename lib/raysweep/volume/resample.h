@@ -5,12 +5,12 @@
 
 namespace raysweep {
 
-/// `medium` on voxels 1/resolution times as long (Dachille, Mueller and Kaufman 2000, section 5.1). Density and
-/// emission are averaged over volume, which keeps optical depths and power; albedo is averaged over extinction, which
-/// keeps what is scattered. The paper does not say how it made its coarse volumes.
+/// `medium` on voxels 1/resolution times as long (Dachille, Mueller and Kaufman 2000, section 5.1). Density is averaged
+/// over volume, which keeps optical depths; albedo is averaged over extinction, which keeps what is scattered. Emission
+/// stays as it is. The paper does not say how it made its coarse volumes.
 /// @param resolution in (0,1]; 1 gives the same grids
-/// @throw InvalidArgument as `coarsened` does, for grids whose transforms differ, and for voxel values that light
-///        transport cannot work with
+/// @throw InvalidArgument as `coarsened` and `albedoOnDensity` do, and for voxel values that light transport cannot
+///        work with
 Medium atResolution(const Medium& medium, double resolution);
 
 /// `grid` at the active voxels (and those of active tiles) of `shape` and at all within `margin` voxels of them:

@@ -1,7 +1,7 @@
 #include "raysweep/volume/similarity.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/volume/grid_transform.h"
+#include "raysweep/volume/albedo_grid.h"
 #include "raysweep/volume/mapped_grid.h"
 #include "raysweep/volume/voxel_check.h"
 
@@ -23,14 +23,13 @@ float similarAlbedo(double albedo, double g) {
     return float(albedo * (1 - g) / (1 - albedo * g));
 }
 
-const FloatGrid& requireGrey(const openvdb::GridBase& albedo, const FloatGrid& density) {
+FloatGrid::ConstPtr requireGrey(const Medium& medium) {
+    const openvdb::GridBase& albedo = *medium.albedoGrid;
     if (!albedo.isType<FloatGrid>())
         throw InvalidArgument("the albedo grid '" + albedo.getName() + "' is of type " + albedo.valueType() +
                               "; with `g` other than 0 `albedo` must be grey (float), as extinction is one for all "
                               "wavelengths");
-    checkAlbedo(albedo);
-    requireSameTransform(albedo, density);
-    return static_cast<const FloatGrid&>(albedo);
+    return openvdb::gridConstPtrCast<FloatGrid>(albedoOnDensity(medium));
 }
 
 /// Extinction voxel by voxel; the active voxels are those of the density.
@@ -61,13 +60,13 @@ Medium similarIsotropicMedium(const Medium& medium, double g) {
     if (g == 0) return medium;
     Medium similar = medium;
     if (medium.albedoGrid) {
-        const FloatGrid& albedo = requireGrey(*medium.albedoGrid, *medium.density);
+        const FloatGrid::ConstPtr albedo = requireGrey(medium);
         checkVoxels(*medium.density, "density");
-        similar.density = similarExtinction(medium, albedo, g);
+        similar.density = similarExtinction(medium, *albedo, g);
         similar.extinctionScale = 1;
         const auto reduced = mappedGrid<FloatGrid>(
-            albedo, albedo.tree(), [&](float value, const Coord&) { return similarAlbedo(double(value), g); });
-        reduced->setName(albedo.getName());
+            *albedo, albedo->tree(), [&](float value, const Coord&) { return similarAlbedo(double(value), g); });
+        reduced->setName(albedo->getName());
         similar.albedoGrid = reduced;
         return similar;
     }

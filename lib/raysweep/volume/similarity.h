@@ -19,8 +19,7 @@ namespace raysweep {
 /// 1.
 /// @param g in (-1,1); 0 returns `medium` as it is
 /// @throw InvalidArgument for g out of range; where g is not 0 for a coloured albedo, which would need an extinction
-/// for each wavelength, for albedo and density grids of different transforms, and for voxels that light transport
-/// cannot work with.
+/// for each wavelength, and for voxels that light transport cannot work with.
 Medium similarIsotropicMedium(const Medium& medium, double g);
 
 }  // namespace raysweep

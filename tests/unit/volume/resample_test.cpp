@@ -198,11 +198,27 @@ TEST(AtResolution, SaysWhereInTheFineGridAVoxelIsBad) {
     } catch (const InvalidArgument& e) {
         EXPECT_NE(std::string(e.what()).find("(7, 6, 5)"), std::string::npos) << e.what();
     }
-    const FloatGrid::Ptr elsewhere = FloatGrid::create();
-    elsewhere->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+}
+
+TEST(AtResolution, LeavesEmissionAsItIs) {
+    Medium medium;
     medium.density = boxVolume(Index3(8));
+    const FloatGrid::Ptr elsewhere = FloatGrid::create();
+    elsewhere->setTransform(openvdb::math::Transform::createLinearTransform(0.3));
     medium.emission = elsewhere;
-    EXPECT_THROW(atResolution(medium, 0.5), InvalidArgument);
+    EXPECT_EQ(atResolution(medium, 0.5).emission, elsewhere);
+}
+
+// An albedo of another resolution is that of the voxels that it lies in.
+TEST(AtResolution, TakesAlbedoOnOtherVoxels) {
+    Medium medium;
+    medium.density = boxVolume(Index3(8));
+    const FloatGrid::Ptr albedo = boxVolume(Index3(16), 0.3f);
+    albedo->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    medium.albedoGrid = albedo;
+    const Medium half = atResolution(medium, 0.5);
+    EXPECT_EQ(half.albedoGrid->transform(), half.density->transform());
+    EXPECT_NEAR(openvdb::gridConstPtrCast<FloatGrid>(half.albedoGrid)->tree().getValue(Coord(1)), 0.3, 1e-6);
 }
 
 // Linear interpolation gives linear functions back exactly, on whatever voxels they are wanted.

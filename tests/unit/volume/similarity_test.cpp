@@ -111,8 +111,16 @@ TEST(Similarity, RefusesWhatHasNoSimilarMedium) {
     EXPECT_THROW(similarIsotropicMedium(medium, 0.5), InvalidArgument);
     medium.albedoGrid = boxVolume({4, 4, 4}, 1.5f);
     EXPECT_THROW(similarIsotropicMedium(medium, 0.5), InvalidArgument);
-    const auto elsewhere = boxVolume({4, 4, 4}, 0.5f);
-    elsewhere->setTransform(openvdb::math::Transform::createLinearTransform(0.3));
-    medium.albedoGrid = elsewhere;
-    EXPECT_THROW(similarIsotropicMedium(medium, 0.5), InvalidArgument);
+}
+
+// On voxels of its own an albedo is that of the density's that it lies in.
+TEST(Similarity, TakesAlbedoOnOtherVoxels) {
+    Medium medium = uniformMedium(0.9f);
+    const auto finer = boxVolume({64, 64, 64}, 0.5f);
+    finer->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    medium.albedoGrid = finer;
+    const Medium similar = similarIsotropicMedium(medium, 0.5);
+    EXPECT_EQ(similar.albedoGrid->transform(), medium.density->transform());
+    EXPECT_NEAR(similar.density->tree().getValue(openvdb::Coord(1)),
+                medium.extinctionScale * medium.density->tree().getValue(openvdb::Coord(1)) * 0.75, 1e-6);
 }
