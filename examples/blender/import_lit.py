@@ -149,9 +149,11 @@ def plain_name(name):
 
 
 class Medium:
-    """Which grid gives the extinction, by what factor, and which one what shines."""
+    """Which grid gives the extinction, by what factor, which one what is scattered, and which one, if any, what shines by
+    itself."""
 
     source, source_hint = "radiosity", "light it with 'raysweep light'"
+    emission = None
 
     def __init__(self, args, info):
         radiosity = info and grid_named(info, "radiosity")
@@ -164,6 +166,10 @@ class Medium:
         if written and not args.density and args.extinction is None:
             self.factor = self.factor if self.grid == "extinction" else 1.0
             self.grid = "extinction"
+        # One of the user's own is not meant; without raysweep there is no telling.
+        fire = info and grid_named(info, "emission")
+        if info is None or (fire and "raysweep_density" in fire["metadata"]):
+            self.emission = "emission"
         if self.factor is None:
             raise Problem("the extinction per unit density is not known: give --extinction, or --raysweep so that the "
                           "file's metadata can be read")
@@ -187,6 +193,8 @@ def load_volume(args, medium, scene):
     for name, hint in ((medium.source, medium.source_hint), (medium.grid, "choose one with --density")):
         if name not in grids:
             raise Problem(f"'{args.lit}' has no grid '{name}': {hint}; it holds {', '.join(sorted(grids.keys()))}")
+    if (medium.emission or "") not in grids:
+        medium.emission = None
     volume_object = bpy.data.objects.new(volume.name, volume)
     scene.collection.objects.link(volume_object)
     return volume_object
@@ -201,13 +209,14 @@ def move_to_place(args, info, volume_object, medium):
 
     So Cycles shows all that it reads half a voxel too far along each axis of the grid (with and without NanoVDB, in all
     versions from 2.81 to 4.x at least). Moving the object back corrects that, unless radiosity has voxels of another
-    size: then each grid has to be moved by its own half voxel, which `raysweep export` does in a copy of the file.
+    size, or emission: then each grid has to be moved by its own half voxel, which `raysweep export` does in a copy of the file.
     """
     if args.keep_half_voxel or (info and "raysweep_export" in info["metadata"]):
         return
     grids = volume_object.data.grids
     half = half_voxel(grids[medium.grid])
-    if (half_voxel(grids[medium.source]) - half).length < 1e-3 * half.length:
+    others = [name for name in (medium.source, medium.emission) if name]
+    if all((half_voxel(grids[name]) - half).length < 1e-3 * half.length for name in others):
         volume_object.location = -half
         return
     # By hand the copy is needed for as long as the scene; else Blender removes it when it ends.
@@ -220,7 +229,8 @@ def move_to_place(args, info, volume_object, medium):
 
 
 def make_material(medium):
-    """L = S (1 - exp(-tau)): what is absorbed, density x extinction, also emits, with radiance S."""
+    """L = S (1 - exp(-tau)): what is absorbed, density x extinction, also emits, with radiance S. What shines by itself
+    adds its emission, power per volume, over 4 pi."""
     material = bpy.data.materials.new("Lit volume")
     material.use_nodes = True
     material.cycles.volume_interpolation = "LINEAR"
@@ -239,11 +249,24 @@ def make_material(medium):
     link(radiosity.outputs["Color"], emission.inputs["Color"])
     link(absorption.outputs[0], both.inputs[0])
     link(emission.outputs[0], both.inputs[1])
-    link(both.outputs[0], output.inputs["Volume"])
+    link((add_fire(material, medium, both) if medium.emission else both).outputs[0], output.inputs["Volume"])
     for column, row in enumerate(((density, radiosity), (extinction,), (absorption, emission), (both,), (output,))):
         for line, node in enumerate(row):
             node.location = (220 * column, -220 * line)
     return material
+
+
+def add_fire(material, medium, others):
+    """Joins what shines by itself to the shader `others`; returns the node of both."""
+    nodes, link = material.node_tree.nodes, material.node_tree.links.new
+    color, fire, both = (nodes.new(f"ShaderNode{kind}") for kind in ("Attribute", "Emission", "AddShader"))
+    color.attribute_name = medium.emission
+    fire.inputs["Strength"].default_value = 1 / (4 * math.pi)
+    link(color.outputs["Color"], fire.inputs["Color"])
+    link(others.outputs[0], both.inputs[0])
+    link(fire.outputs[0], both.inputs[1])
+    color.location, fire.location, both.location = (0, -440), (440, -440), (660, -220)
+    return both
 
 
 def make_world(background):
@@ -256,15 +279,16 @@ def make_world(background):
 # ---------------------------------------------------------------------------------------------- the camera
 
 
-def corners_of(grid):
-    """The corners of the box in world space around a grid's active voxels."""
-    if "bounds" not in grid:
-        return [Vector((x, y, z)) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    low, high = grid["bounds"]["index"]
-    world = Matrix(grid["transform"]["matrix"]).transposed()  # OpenVDB's matrices stand to the right of row vectors
-    voxels = [world @ Vector([(high[a] + 0.5 if corner >> a & 1 else low[a] - 0.5) for a in range(3)])
-              for corner in range(8)]
-    lower, upper = ([pick(v[a] for v in voxels) for a in range(3)] for pick in (min, max))
+def corners_of(grids):
+    """The corners of the box in world space around the active voxels of grids; of a cube if there are none."""
+    points = []
+    for grid in grids:
+        low, high = grid["bounds"]["index"]
+        world = Matrix(grid["transform"]["matrix"]).transposed()  # OpenVDB's matrices stand to the right of row vectors
+        points += [world @ Vector([(high[a] + 0.5 if corner >> a & 1 else low[a] - 0.5) for a in range(3)])
+                   for corner in range(8)]
+    points = points or [(-1, -1, -1), (1, 1, 1)]
+    lower, upper = ([pick(p[a] for p in points) for a in range(3)] for pick in (min, max))
     return [Vector([(upper if corner >> a & 1 else lower)[a] for a in range(3)]) for corner in range(8)]
 
 
@@ -297,7 +321,8 @@ def place_camera(args, info, medium, scene):
     if not (eye and target):
         if info is None:
             raise Problem("to frame the volume its size is needed: give --eye and --target, or --raysweep")
-        default_eye, default_target = framed(args, corners_of(grid_named(info, medium.grid)))
+        seen = [grid_named(info, name) for name in (medium.grid, medium.emission) if name]
+        default_eye, default_target = framed(args, corners_of([grid for grid in seen if "bounds" in grid]))
         target = target or default_target
         eye = eye or target + (default_eye - default_target)
     forward, up = target - eye, Vector(args.up)
