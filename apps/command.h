@@ -35,5 +35,6 @@ void addProject(CLI::App& app, int& exitCode);
 void addCt(CLI::App& app, int& exitCode);
 void addShoot(CLI::App& app, int& exitCode);
 void addPhoto(CLI::App& app, int& exitCode);
+void addBake(CLI::App& app, int& exitCode);
 
 }  // namespace raysweep::apps

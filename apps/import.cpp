@@ -1,6 +1,7 @@
 /// raysweep import: volumes of other programs become sparse grids.
 #include "cli.h"
 #include "hints.h"
+#include "import_mesh.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
@@ -30,6 +31,8 @@ struct Arguments {
     std::vector<std::string> files;
     std::string output, dims, type, spacing, crop, normalize = "auto";
     bool bigEndian = false, half = false;
+    MeshArguments mesh;
+    bool isMesh = false;
     std::uint64_t skip = 0;
 };
 
@@ -58,7 +61,7 @@ void addFileOptions(CLI::App& app, Arguments& a) {
 void addOptions(CLI::App& app, Arguments& a) {
     app.add_option("files", a.files,
                    "NRRD, MetaImage (.mha, .mhd) or NIfTI file, raw samples, DICOM images, pictures (TIFF, PNG) as "
-                   "slices, or a folder of DICOM images or pictures")
+                   "slices, or a folder of DICOM images or pictures; or meshes (OBJ, PLY, STL)")
         ->required()
         ->type_name("FILES");
     app.add_option("-o,--output", a.output, "The .vdb file to write")->required()->type_name("OUT.vdb");
@@ -78,6 +81,7 @@ void addOptions(CLI::App& app, Arguments& a) {
         ->type_name("T");
     app.add_flag("--repair", a.options.repair, "Set voxels that are infinite or not a number to 0");
     addFileOptions(app, a);
+    addMeshOptions(app, a.mesh);
     app.option_defaults()->group("Output");
     app.add_option("--name", a.options.name, "Name of the grid")->capture_default_str();
     app.add_flag("--half", a.half, "Save as half floats");
@@ -101,6 +105,8 @@ RawLayout rawLayout(const Arguments& a) {
 /// Everything that can be said to be wrong before a file is read.
 void completeOptions(Arguments& a, const CLI::App& command) {
     requireFileOutput(a.output);
+    a.isMesh = requireMeshOptions(a.files, a.mesh, command);
+    a.mesh.options.name = a.options.name;
     if (!a.dims.empty() || !a.type.empty()) {
         if (a.dims.empty()) usageError("--type", "needs --dims X,Y,Z as well");
         if (a.type.empty()) usageError("--dims", "needs --type as well; for example --type uint8");
@@ -152,6 +158,7 @@ nlohmann::ordered_json describe(const ImportedVolume& volume, double seconds) {
 int run(const Arguments& a) {
     const ThreadLimit limit = start(a.common);
     requireWritable(a.output);
+    if (a.isMesh) return importMeshes(a.files, a.mesh, a.output, a.half, a.common);
     const Timer timer;
     TerminalProgress progress(a.common);
     const ImportedVolume volume = importVolume(a.files, a.options, progress.callback());
@@ -174,7 +181,7 @@ int run(const Arguments& a) {
 void addImport(CLI::App& app, int& exitCode) {
     CLI::App* command = app.add_subcommand("import",
                                            "Make a volume of an NRRD, MetaImage, NIfTI, DICOM or raw file, "
-                                           "or of pictures");
+                                           "of pictures, or of meshes");
     const auto arguments = std::make_shared<Arguments>();
     addOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {

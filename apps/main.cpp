@@ -5,8 +5,9 @@ namespace {
 
 using namespace raysweep::apps;
 
-constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,  addRender,  addImport, addGenerate, addInfo, addCompare,
-                                                     addExport, addProject, addCt,     addShoot,    addPhoto};
+constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight, addRender,  addImport, addGenerate,
+                                                     addInfo,  addCompare, addExport, addProject,
+                                                     addCt,    addShoot,   addPhoto,  addBake};
 
 }  // namespace
 

@@ -15,6 +15,7 @@ if(NOT KISSFFT_INCLUDE_DIR)
     message(FATAL_ERROR "kissfft/kissfft.hh was not found: install libkissfft-dev")
 endif()
 find_package(pugixml REQUIRED)
+find_package(assimp REQUIRED)
 
 # Debian's OpenImageIO names an include folder that does not exist (/usr/include/opencv4): CMake refuses it.
 get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)

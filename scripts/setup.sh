@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
     build-essential cmake ninja-build ccache git
     libopenvdb-dev libboost-iostreams-dev libblosc-dev libtbb-dev libimath-dev libopenexr-dev libopenimageio-dev openimageio-tools libtiff-dev
-    libhwy-dev libcli11-dev nlohmann-json3-dev libkissfft-dev libhdf5-dev libpugixml-dev
+    libhwy-dev libcli11-dev nlohmann-json3-dev libkissfft-dev libhdf5-dev libpugixml-dev libassimp-dev
     libinsighttoolkit5-dev libdcmtk-dev zlib1g-dev
     libgtest-dev libbenchmark-dev clang-format gnuplot-nox python3
 )

@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::vector<std::string> kModules = {"core",      "image",  "camera",     "volume",     "formats",
-                                           "phantoms",  "bricks", "scene",      "render",     "sweep",
-                                           "projector", "scan",   "illuminate", "reconstruct"};
+const std::vector<std::string> kModules = {"core",    "image",     "camera", "volume",     "mesh",
+                                           "formats", "phantoms",  "bricks", "scene",      "render",
+                                           "sweep",   "projector", "scan",   "illuminate", "reconstruct"};
 
 std::size_t rankOf(const std::string& module) {
     return std::size_t(std::find(kModules.begin(), kModules.end(), module) - kModules.begin());
