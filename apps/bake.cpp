@@ -1,5 +1,6 @@
 /// raysweep bake: radiosity of a lit volume on a mesh.
 #include "cli.h"
+#include "file_roles.h"
 #include "hints.h"
 #include "render_source.h"
 
@@ -11,8 +12,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace raysweep::apps {
 namespace {
@@ -21,7 +24,8 @@ struct Arguments {
     CommonOptions common;
     RenderSource source;
     BakeOptions options;
-    std::string mesh, output;
+    std::string mesh, output, encoding = "srgb";
+    std::optional<double> exposure;
 };
 
 /// Beside the mesh, under its name.
@@ -43,6 +47,20 @@ nlohmann::ordered_json describe(const BakeCounts& counts) {
     return {{"places", counts.places}, {"turned", counts.turned}, {"missed", counts.missed}};
 }
 
+/// As `render` exposes pictures for displays.
+TriangleMesh exposed(const Arguments& a, TriangleMesh mesh) {
+    std::size_t clipped = 0;
+    for (Color& color : mesh.colors) {
+        color *= float(std::exp2(a.exposure.value_or(0)));
+        clipped += maxComponent(color) > 1;
+    }
+    if (clipped > 0)
+        message(a.common, std::to_string(clipped) +
+                              " corners are brighter than a display's white and were clipped; "
+                              "--exposure darkens, --colors linear keeps all");
+    return mesh;
+}
+
 int run(const Arguments& a) {
     const ThreadLimit limit = start(a.common);
     requireWritable(a.output);
@@ -57,7 +75,10 @@ int run(const Arguments& a) {
         return kInterrupted;
     }
     if (withAtlas) writeImage(atlasFile(a), baked.atlas);
-    writePly(a.output, baked.mesh);
+    if (a.encoding == "linear")
+        writePly(a.output, baked.mesh, ColorEncoding::linear);
+    else
+        writePly(a.output, exposed(a, baked.mesh), ColorEncoding::srgb);
     comment(a, baked.corners, " corners of the mesh");
     nlohmann::ordered_json report = {{"corners", describe(baked.corners)}};
     if (withAtlas) {
@@ -80,10 +101,7 @@ void addBake(CLI::App& app, int& exitCode) {
     command->add_option("mesh", a->mesh, "OBJ, PLY or STL in the same place, such as the volume was imported from")
         ->required()
         ->type_name("MESH");
-    command
-        ->add_option(
-            "-o,--output", a->output,
-            "The mesh with radiosity as colours of its corners, linear floats, one for each of red, green and blue")
+    command->add_option("-o,--output", a->output, "The mesh with radiosity as colours of its corners")
         ->required()
         ->type_name("OUT.ply");
     command
@@ -91,11 +109,26 @@ void addBake(CLI::App& app, int& exitCode) {
                      "Also write OUT.exr, a picture of N x N pixels of the radiosity, for the texture coordinates that "
                      "the mesh has")
         ->type_name("N");
+    command
+        ->add_option(
+            "--colors", a->encoding,
+            "Of the corners: bytes, as programs expect that show meshes; or linear floats, all of the radiosity")
+        ->check(CLI::IsMember({"srgb", "linear"}).description(""))
+        ->type_name("srgb|linear")
+        ->capture_default_str();
+    command->add_option("--exposure", a->exposure, "Of srgb colours, in stops (default: 0)")->type_name("EV");
     addRenderSource(*command, a->source);
     addCommonOptions(*command, a->common);
+    reads(command->get_option("input"));
+    reads(command->get_option("mesh"));
+    writes(command->get_option("--output"), [a](const std::string& output) {
+        return a->options.atlas > 0 ? std::vector<std::string>{output, atlasFile(*a)}
+                                    : std::vector<std::string>{output};
+    });
     command->callback([a, command, &exitCode] {
         requireFileOutput(a->output);
         if (lowerExtension(a->output) != ".ply") usageError("--output", "'" + a->output + "': give a name with .ply");
+        if (a->exposure && a->encoding == "linear") usageError("--exposure", "is for --colors srgb");
         requireValid(*command, [&] { a->options.validate(); });
         requireRenderSource(a->source, *command);
         exitCode = run(*a);

@@ -34,7 +34,7 @@ expect_exit 0 "$raysweep" light scene.vdb -o lit.vdb --density walls --ramp 0,1 
 expect_exit 0 "$raysweep" bake lit.vdb floor.obj -o floor.ply --atlas 32 --report floor.json
 expect_silent
 expect_json floor.json "r['corners'] == {'places': 4, 'turned': 0, 'missed': 0} and r['texels']['places'] == 1024"
-expect_exit 0 "$raysweep" bake lit.vdb block.obj -o block.ply
+expect_exit 0 "$raysweep" bake lit.vdb block.obj -o block.ply --colors linear
 # Red stays red: what the white floor sends it has no green or blue.
 python3 - <<'END' || fail "colours of block.ply"
 import struct
@@ -43,6 +43,12 @@ header, body = data.split(b"end_header\n", 1)
 vertices = [struct.unpack_from("<9f", body, 36 * i) for i in range(8)]
 assert all(v[6] > 0.05 and v[7] == 0 and v[8] == 0 for v in vertices), vertices
 END
+expect_exit 0 "$raysweep" bake lit.vdb block.obj -o shown.ply
+expect_match "brighter than a display's white"
+expect_exit 0 "$raysweep" bake lit.vdb block.obj -o shown.ply --exposure -2
+expect_silent
+expect_exit 2 "$raysweep" bake lit.vdb block.obj -o x.ply --colors linear --exposure 1
+
 # What is not where the volume is, is black and said to be.
 expect_exit 0 "$raysweep" import floor.obj -o floor.vdb --size 8
 expect_exit 0 "$raysweep" light floor.vdb -o floor_lit.vdb --ramp 0,1 --sky 1 --quiet

@@ -3,6 +3,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/module.h"
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/mesh/mesh_formats.h"
 
@@ -63,6 +64,7 @@ bool isMeshFile(const std::string& path) {
 }
 
 TriangleMesh readMesh(const std::string& path, ColorEncoding encoding) {
+    noteInput(path);
     requireRegularFile(path);
     if (!isMeshFile(path)) fail(path, "it is no mesh by its name; give an .obj, .ply or .stl file");
     TriangleMesh mesh;

@@ -23,9 +23,10 @@ enum class ColorEncoding {
 /// finite numbers, or the module that reads meshes is missing.
 TriangleMesh readMesh(const std::string& path, ColorEncoding encoding = ColorEncoding::srgb);
 
-/// Writes a binary PLY: corners with normals, colours as they are (linear floats `red`, `green`, `blue`) and texture
-/// coordinates `s`, `t` where the mesh has them, and triangles. It appears whole or not at all.
+/// Writes a binary PLY: corners with normals, colours and texture coordinates `s`, `t` where the mesh has them, and
+/// triangles. Colours are bytes as displays take them, [0,1] of linear light, which is what programs that show PLY
+/// expect; or linear floats of any size. It appears whole or not at all.
 /// @throw InvalidArgument if the name does not end with .ply  @throw IoError if it cannot be written
-void writePly(const std::string& path, const TriangleMesh& mesh);
+void writePly(const std::string& path, const TriangleMesh& mesh, ColorEncoding encoding = ColorEncoding::srgb);
 
 }  // namespace raysweep

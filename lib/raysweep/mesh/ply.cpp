@@ -2,8 +2,11 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/text_file.h"
+#include "raysweep/image/image_io.h"
 #include "raysweep/mesh/mesh_files.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace raysweep {
@@ -11,15 +14,15 @@ namespace {
 
 static_assert(sizeof(float) == 4, "PLY's float");
 
-std::string headerOf(const TriangleMesh& mesh) {
-    std::string header = "ply\nformat binary_little_endian 1.0\ncomment Raysweep: colours are linear\nelement vertex " +
-                         std::to_string(mesh.positions.size()) + "\n";
-    const auto property = [&](const char* name) { header += std::string("property float ") + name + "\n"; };
-    for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) property(name);
-    if (!mesh.colors.empty())
-        for (const char* name : {"red", "green", "blue"}) property(name);
-    if (!mesh.texture.empty())
-        for (const char* name : {"s", "t"}) property(name);
+std::string headerOf(const TriangleMesh& mesh, ColorEncoding encoding) {
+    std::string header =
+        "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(mesh.positions.size()) + "\n";
+    const auto add = [&](const std::string& type, std::initializer_list<const char*> names) {
+        for (const std::string name : names) header += "property " + type + " " + name + "\n";
+    };
+    add("float", {"x", "y", "z", "nx", "ny", "nz"});
+    if (!mesh.colors.empty()) add(encoding == ColorEncoding::srgb ? "uchar" : "float", {"red", "green", "blue"});
+    if (!mesh.texture.empty()) add("float", {"s", "t"});
     return header + "element face " + std::to_string(mesh.triangles.size()) +
            "\nproperty list uchar uint vertex_indices\nend_header\n";
 }
@@ -36,16 +39,25 @@ void add(std::string& bytes, const Vec3& v) {
     for (int axis = 0; axis < 3; ++axis) add(bytes, float(v[axis]));
 }
 
+void add(std::string& bytes, const Color& color, ColorEncoding encoding) {
+    for (int c = 0; c < 3; ++c) {
+        if (encoding == ColorEncoding::srgb)
+            add(bytes, std::uint8_t(std::lround(255 * srgbFromLinear(std::clamp(color[c], 0.0f, 1.0f)))));
+        else
+            add(bytes, color[c]);
+    }
+}
+
 }  // namespace
 
-void writePly(const std::string& path, const TriangleMesh& mesh) {
+void writePly(const std::string& path, const TriangleMesh& mesh, ColorEncoding encoding) {
     if (lowerExtension(path) != ".ply") throw InvalidArgument("'" + path + "': meshes are written as .ply");
-    std::string bytes = headerOf(mesh);
+    std::string bytes = headerOf(mesh, encoding);
     const std::vector<Vec3> normals = cornerNormals(mesh);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         add(bytes, mesh.positions[i]);
         add(bytes, normals[i]);
-        for (int c = 0; c < 3 && !mesh.colors.empty(); ++c) add(bytes, mesh.colors[i][c]);
+        if (!mesh.colors.empty()) add(bytes, mesh.colors[i], encoding);
         for (int c = 0; c < 2 && !mesh.texture.empty(); ++c) add(bytes, mesh.texture[i][std::size_t(c)]);
     }
     for (const TriangleMesh::Triangle& t : mesh.triangles) {

@@ -105,7 +105,7 @@ TEST(MeshFiles, PlyIsReadBackAsItWasWritten) {
     const TemporaryFolder folder;
     TriangleMesh mesh = squareMesh(2, 1, 2);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) mesh.colors.emplace_back(0.1f * float(i), 0.5f, 0.25f);
-    writePly(folder / "a.ply", mesh);
+    writePly(folder / "a.ply", mesh, ColorEncoding::linear);
     const TriangleMesh back = readMesh(folder / "a.ply", ColorEncoding::linear);
     EXPECT_EQ(back.positions.size(), mesh.positions.size());
     EXPECT_EQ(back.triangles.size(), mesh.triangles.size());
@@ -115,6 +115,10 @@ TEST(MeshFiles, PlyIsReadBackAsItWasWritten) {
         EXPECT_EQ(back.colors[i], mesh.colors[std::size_t(at)]);
         EXPECT_EQ(back.texture[i], mesh.texture[std::size_t(at)]);
     }
+    writePly(folder / "b.ply", mesh);  // bytes
+    const TriangleMesh shown = readMesh(folder / "b.ply");
+    EXPECT_EQ(shown.positions.size(), mesh.positions.size());
+    for (const Color& color : shown.colors) EXPECT_NEAR(color.y, 0.5, 0.003);  // half a step of 255 is 0.0024
     expectError<InvalidArgument>([&] { writePly(folder / "a.obj", mesh); }, "written as .ply");
 }
 
