@@ -116,13 +116,13 @@ Vec3 scaled(const Vec3& direction) {
 
 }  // namespace
 
-Vec3 parseVec3(const std::string& text, const std::string& option) {
-    const std::vector<double> v = parseNumbers(text, option, 3, 3, "1,0.5,-2");
+Vec3 parseVec3(const std::string& text, const std::string& option, const std::string& example) {
+    const std::vector<double> v = parseNumbers(text, option, 3, 3, example);
     return Vec3(v[0], v[1], v[2]);
 }
 
-Vec3 parseDirection(const std::string& text, const std::string& option) {
-    const std::vector<double> v = anyNumbers(text, option, 3, 3, "1,0.5,-2");
+Vec3 parseDirection(const std::string& text, const std::string& option, const std::string& example) {
+    const std::vector<double> v = anyNumbers(text, option, 3, 3, example);
     if (v[0] == 0 && v[1] == 0 && v[2] == 0) usageError(option, "'" + text + "': the direction has no length");
     return scaled(Vec3(v[0], v[1], v[2]));
 }

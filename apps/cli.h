@@ -38,10 +38,10 @@ std::vector<int> parseWhole(const std::string& text, const std::string& option, 
 double parseNumber(const std::string& text, const std::string& option, const std::string& example);
 
 /// X,Y,Z of a direction, of any length but 0. The result's is one with whose square can be calculated.
-Vec3 parseDirection(const std::string& text, const std::string& option);
+Vec3 parseDirection(const std::string& text, const std::string& option, const std::string& example = "1,0.5,-2");
 
 /// X,Y,Z of a point
-Vec3 parseVec3(const std::string& text, const std::string& option);
+Vec3 parseVec3(const std::string& text, const std::string& option, const std::string& example = "1,0.5,-2");
 
 /// Linear RGB, non-negative: one number for grey, or R,G,B or R:G:B.
 Color parseColor(const std::string& text, const std::string& option);

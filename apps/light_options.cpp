@@ -194,7 +194,8 @@ Light parseLight(const std::string& text, const std::string& option, const std::
         usageError(option, "'" + text + "': four values are needed, as in " + option + " " + example);
     Light light;
     const std::string vector = parts[0] + "," + parts[1] + "," + parts[2];
-    light.vector = kind == Vector::direction ? parseDirection(vector, option) : parseVec3(vector, option);
+    light.vector =
+        kind == Vector::direction ? parseDirection(vector, option, example) : parseVec3(vector, option, example);
     light.strength = parseStrength(parts[3], option, example);
     return light;
 }

@@ -53,7 +53,7 @@ refuse 2 "would be written, but is also" "$raysweep" ct pic.exr --parallel -o in
 refuse 2 "holds 'shots/transforms.json'" "$raysweep" photo shots/transforms.json -o new.vdb --save-mattes shots
 refuse 2 "would be written, but is also" "$raysweep" photo shots/transforms.json -o new.vdb --save-mattes m --compare-views ./m/
 refuse 2 "holds 'shots/r.json'" "$raysweep" shoot lit.vdb -o shots --report shots/r.json
-refuse 2 "would be written, but is also" "$cube4" render lit.vdb -o lit.vdb --view 0,0,-1
+refuse 2 "would be written, but is also" "$cube4" render lit.vdb -o p.exr --view 0,0,-1 --report lit.vdb
 refuse 2 "would be written, but is also" "$cube4" check lit.vdb --replay run.json --report run.vdb
 refuse 2 "would be written, but is also" "$cube4" illuminate in.vdb -o in.vdb --sky 1
 

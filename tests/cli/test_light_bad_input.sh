@@ -105,9 +105,9 @@ usage() {
     refuse 2 "$text" missing.vdb -o lit.vdb "$@"
     expect_match "--help"
 }
-usage "--sun: '0,0,0,3': the direction has no length" --sun 0,0,0,3
+usage "--sun: '0,0,0': the direction has no length" --sun 0,0,0,3
 usage "--sun: '0,0,1': four values are needed" --sun 0,0,1
-usage "'x' in 'x' is not a number; for example --sun 0.3,-1,0.2,3" --sun 0,x,1,1
+usage "'x' in '0,x,1' is not a number; for example --sun 0.3,-1,0.2,3" --sun 0,x,1,1
 usage "light cannot be negative" --sun 0,0,-1,-3
 usage "one number or E:R:G:B is needed" --sun 0,0,-1,3:1
 usage "--sun" --sun 0,0,nan,1
