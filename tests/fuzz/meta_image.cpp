@@ -1,10 +1,10 @@
-/// Headers of MetaImage files, which are looked at before ITK reads them.
+/// MetaImage volumes.
 #include "fuzzed_file.h"
-#include "raysweep/formats/meta_image_check.h"
+#include "raysweep/formats/meta_image.h"
 
 using namespace raysweep;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const fuzz::FuzzedFile file(data, size);
-    return fuzz::accepts([&] { checkMetaImage(file.path()); });
+    return fuzz::accepts([&] { readMetaImage(file.path()); });
 }
