@@ -48,15 +48,20 @@ class Archive : public openvdb::io::Archive {
 
 /// OpenVDB's own arithmetic on coordinates overflows at the ends of their range.
 void requireNear(const GridBase& grid) {
-    openvdb::CoordBBox box, leaves;
-    grid.baseTree().evalActiveVoxelBoundingBox(box);
-    if (grid.baseTree().evalLeafBoundingBox(leaves)) box.expand(leaves);
-    for (int axis = 0; axis < 3 && !box.empty(); ++axis)
-        for (const openvdb::Coord& corner : {box.min(), box.max()})
-            if (corner[axis] < -kFarthestVoxel || corner[axis] > kFarthestVoxel)
-                throw IoError("it has voxels at " + std::to_string(corner[axis]) + " along " + "xyz"[axis] +
-                              ", farther from 0 than " + std::to_string(kFarthestVoxel) +
-                              "; move them near 0 and place the grid by its transform");
+    openvdb::CoordBBox active, leaves;
+    grid.baseTree().evalActiveVoxelBoundingBox(active);
+    grid.baseTree().evalLeafBoundingBox(leaves);
+    const auto require = [](const openvdb::CoordBBox& box, int farthest) {
+        for (int axis = 0; axis < 3 && !box.empty(); ++axis)
+            for (const openvdb::Coord& corner : {box.min(), box.max()})
+                if (corner[axis] < -farthest || corner[axis] > farthest)
+                    throw IoError("it has voxels at " + std::to_string(corner[axis]) + " along " + "xyz"[axis] +
+                                  ", farther from 0 than " + std::to_string(kFarthestVoxel) +
+                                  "; move them near 0 and place the grid by its transform");
+    };
+    constexpr int kLeaf = 8;  // what is in a leaf need not be active up to its end
+    require(active, kFarthestVoxel);
+    require(leaves, kFarthestVoxel + kLeaf);
 }
 
 void Archive::read(std::istream& in, std::uintmax_t size, VdbFile& file, std::vector<UnreadableGrid>* unreadable) {
