@@ -99,6 +99,8 @@ nlohmann::ordered_json describe(const LightArguments& a, const SceneFromFile& sc
         {"peak_bytes_per_voxel", double(a.peakBytes) / double(std::max<std::size_t>(1, lit.activeVoxels))},
         {"voxels_thick_share", lit.thickShare},
         {"voxels_surface", lit.surfaceVoxels},
+        {"voxels_medium_furnace_share", lit.mediumFurnaceShare},
+        {"voxels_white_furnace_share", lit.whiteFurnaceShare},
         {"resolution", a.resolution},
         {"options", a.commandLine}};
     addSkySuns(json, scene.origin);

@@ -104,7 +104,8 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
               "paper: Algorithm 1 as printed")
         ->type_name("auto|medium|surface|paper");
     app.add_option("--surface-threshold", o.surfaceThreshold,
-                   "A voxel of a solid is a surface where opacity changes by more than this per voxel, (0,1]")
+                   "A voxel of a solid is a surface where opacity changes by more than this per voxel and what "
+                   "is behind it is opaque, (0,1]")
         ->capture_default_str();
     app.add_option("--tolerance", a.tolerance,
                    "Stop when 20 sweeps change the answer by less than this part (RMS of radiosity); 0: never "

@@ -36,7 +36,8 @@ expect_exit 0 "$raysweep" light recorded.vdb --sky 1 --sweeps 4 --tolerance 0 -o
 expect_json again.json "r['volume']['checksum'] == '$checksum'"
 
 # Surfaces have normals.
-expect_exit 0 "$raysweep" light cloud.vdb --ramp 0,1 --sky 1 --sweeps 4 --tolerance 0 -o lit.vdb --record solid.json
+"$raysweep" generate sphere -o sphere.vdb --size 16
+expect_exit 0 "$raysweep" light sphere.vdb --ramp 0,1 --sky 1 --sweeps 4 --tolerance 0 -o lit.vdb --record solid.json
 expect_json solid.json "r['surface_opacity'] == 0.1"
 info solid.vdb
 expect_json info.json "'normal' in $names"

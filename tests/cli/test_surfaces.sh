@@ -11,6 +11,10 @@ sun=(--sun 0.3,-1,-0.5,3 --sky 0.3 --tolerance 0.05)
 # A solid has surfaces, a fog has none, and both can be told to.
 light sphere.vdb -o lit.vdb --ramp 0,1 "${sun[@]}"
 expect_json report.json "r['voxels_surface'] > 1000 and r['balance_error'] <= 1e-5 and any('surfaces' in p for p in r['plan'])"
+expect_json report.json "r['voxels_medium_furnace_share'] < 0.2 and r['voxels_white_furnace_share'] == 0"
+# Of one that light goes through they are a medium, and the report says so.
+light sphere.vdb -o lit.vdb --ramp 0,1,0.3 "${sun[@]}"
+expect_json report.json "r['voxels_surface'] == 0 and r['voxels_medium_furnace_share'] + r['voxels_white_furnace_share'] > 0.99"
 light sphere.vdb -o lit.vdb --ramp 0,1 --exchange medium "${sun[@]}"
 expect_json report.json "r['voxels_surface'] == 0"
 light sphere.vdb -o lit.vdb --extinction 3 "${sun[@]}"

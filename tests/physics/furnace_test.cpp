@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <random>
 
 #include "raysweep/render/render.h"
 #include "raysweep/volume/classify.h"
@@ -146,4 +148,73 @@ TEST(Furnace, EveryWavelengthDisappears) {
         }
         EXPECT_LE(lit.power.error(), 1e-5);
     }
+}
+
+namespace {
+
+/// A solid, opacities of 24^3 voxels.
+using Opacity = std::function<double(int, int, int)>;
+
+openvdb::FloatGrid::Ptr solidOf(const Opacity& opacity) {
+    auto grid = openvdb::FloatGrid::create(0);
+    auto accessor = grid->getAccessor();
+    for (int x = 0; x < 24; ++x)
+        for (int y = 0; y < 24; ++y)
+            for (int z = 0; z < 24; ++z)
+                if (const double a = std::min(0.99, opacity(x, y, z)); a > 0)
+                    accessor.setValue({x, y, z}, float(-std::log1p(-a)));
+    return grid;
+}
+
+std::vector<std::pair<std::string, Opacity>> softAndNoisySolids() {
+    static std::mt19937 random(5);
+    const auto gauss = [] { return std::normal_distribution<double>()(random); };
+    const auto even = [] { return std::uniform_real_distribution<double>()(random); };
+    const auto plate = [=](double noise) {
+        return [=](int, int y, int) { return y < 8 || y >= 16 ? 0.0 : 0.3 + noise * gauss(); };
+    };
+    const auto fromMiddle = [](int x, int y, int z) { return (Vec3(x, y, z) - Vec3(11.5)).length(); };
+    return {{"plate", plate(0)},
+            {"plate, noise .05", plate(0.05)},
+            {"plate, noise .15", plate(0.15)},
+            {"plate, noise .3", plate(0.3)},
+            {"white noise", [=](int, int, int) { return even(); }},
+            {"grains", [=](int, int, int) { return even() < 0.5 ? 1.0 : 0.0; }},
+            {"checkerboard", [](int x, int y, int z) { return (x + y + z) % 2 ? 1.0 : 0.0; }},
+            {"soft checkerboard", [](int x, int y, int z) { return (x + y + z) % 2 ? 0.6 : 0.2; }},
+            {"single voxels", [](int x, int y, int z) { return x % 4 || y % 4 || z % 4 ? 0.0 : 1.0; }},
+            {"sheet of one voxel", [](int, int, int z) { return z == 12 ? 1.0 : 0.0; }},
+            {"gradient", [](int x, int, int) { return x / 24.0; }},
+            {"plates with gaps", [](int x, int, int) { return x % 5 < 3 ? 1.0 : 0.0; }},
+            {"noisy ball", [=](int x, int y, int z) { return fromMiddle(x, y, z) < 10 ? 0.9 + 0.1 * gauss() : 0.0; }}};
+}
+
+}  // namespace
+
+// With a sky of 1 and no other light nothing can be brighter than its albedo: that would be energy from nowhere. With
+// albedo 1 every voxel that can be seen is 1.
+TEST(Furnace, SolidsOfAnyKindGiveNoMoreThanTheyGet) {
+    for (const auto& [name, opacity] : softAndNoisySolids())
+        for (const float albedo : {1.0f, 0.8f}) {
+            Furnace furnace = furnaceWith(solidOf(opacity));
+            furnace.scene.medium.solid = true;
+            furnace.scene.medium.albedo = grey(albedo);
+            furnace.options.tolerance = 0.02;
+            const Illumination lit = illuminate(furnace.scene, furnace.options);
+            const auto radiosity = static_cast<const openvdb::FloatGrid&>(*lit.radiosity).getConstAccessor();
+            double most = 0, sum = 0, count = 0;
+            for (auto on = furnace.scene.medium.density->cbeginValueOn(); on; ++on) {
+                const double S = double(radiosity.getValue(on.getCoord())) / double(albedo);
+                most = std::max(most, S);
+                if (S == 0) continue;  // deep inside, where nothing is seen
+                sum += std::abs(S - 1);
+                ++count;
+            }
+            std::printf("  %s, albedo %.1f: most %.4f, off by %.4f on average; F of a medium %.2f, white %.2f\n",
+                        name.c_str(), double(albedo), most, sum / count, lit.mediumFurnaceShare, lit.whiteFurnaceShare);
+            EXPECT_LE(most, 1.01) << name;
+            EXPECT_LE(lit.power.error(), 1e-5) << name;
+            EXPECT_LE(albedo < 1 ? 0 : sum / count, 0.01) << name;
+            EXPECT_GE(count, 0.7 * double(furnace.scene.medium.density->activeVoxelCount())) << name;
+        }
 }

@@ -70,7 +70,7 @@ void addSeen(SolverState& state, const Visibility& visibility, const Color& powe
         const std::uint32_t slot = state.solid.surfaces.slots[b];
         for (int i = 0; i < kBrickVoxels; ++i) {
             const float full = visibility.furnace.brick(slot)[i];
-            if (normals[i] == 0 || !(full > 0)) continue;
+            if (!isSurface(normals[i]) || !(full > 0)) continue;
             const Crossing crossing = at(layout.origins[b] + Index3(i >> 6, (i >> 3) & 7, i & 7));
             const double cosine = std::max(0.0, -unpackNormal(normals[i]).dot(crossing.direction));
             const double visible = std::min(1.0, double(visibility.deposit.brick(b)[i]) / double(full));
@@ -122,7 +122,7 @@ void addPoint(SolverState& state, const PointLight& point, const openvdb::math::
     const Vec3 at(inIndex.x(), inIndex.y(), inIndex.z());
     const PointDeposit deposit =
         depositFromPoint({state.medium.volume, at, viewOf(state.medium.tau), 1 / state.medium.escape.meanStepLength(),
-                          state.solid.surfaces.empty() ? nullptr : &state.solid.surfaces, state.solidTau()});
+                          state.solid.surfaces.empty() ? nullptr : &state.solid.surfaces});
     ChannelPower power;
     for (int c = 0; c < state.medium.channels; ++c) {
         power.value[c] = double(point.power[c]) / state.power.unit;
@@ -158,7 +158,7 @@ EmissionBooks addEmitted(SolverState& state, int c, const BrickField& emitted) {
         for (int i = 0; i < kBrickVoxels; ++i) {
             const double power = double(emitted.brick(b)[i]);
             if (power == 0) continue;
-            const bool surface = normals && normals[i] != 0;
+            const bool surface = normals && isSurface(normals[i]);
             const EmittedShares shares =
                 surface ? EmittedShares{1, 0} : emittedShares(state.medium, double(tau[i]), double(albedo[i]));
             const auto leaves = float(power * shares.leaving);

@@ -7,6 +7,7 @@
 #include "raysweep/illuminate/power_balance.h"
 #include "raysweep/illuminate/sweep_recorder.h"
 #include "raysweep/illuminate/sweeps.h"
+#include "raysweep/illuminate/voxel_radiance.h"
 #include "raysweep/scene/extremes.h"
 #include "raysweep/volume/voxel_check.h"
 
@@ -89,6 +90,9 @@ Illumination illuminate(const Scene& scene, const IlluminateOptions& options, co
 
     timer = Timer();
     result.power = powerBalance(state);
+    const FurnaceShares shares = furnaceShares(state);
+    result.mediumFurnaceShare = shares.medium;
+    result.whiteFurnaceShare = shares.white;
     result.radiosity = finalGrid(state, scene);
     if (result.plan.unshotGrid) result.unshot = unshotGrid(state, scene);
     requireFinite(result, scene);

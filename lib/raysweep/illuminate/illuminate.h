@@ -35,6 +35,9 @@ struct Illumination {
     double thickShare = 0;    ///< part of the active voxels whose optical depth is above 2: too coarse to be accurate
     double emittedPower = 0;  ///< of the medium's `emission`, W, of all wavelengths
     std::size_t surfaceVoxels = 0;
+    /// Of solids, parts of the active voxels: whose F is the closed form of a medium, since they have no surface, and
+    /// whose F was swept as a white furnace, since the solids are soft or noisy. Others are surfaces, or inside.
+    double mediumFurnaceShare = 0, whiteFurnaceShare = 0;
     /// About how many sweeps it takes until the voxels that emit (quads, emission) have once lit every other one; 0
     /// without emitters. Where it is large, a point light says the same in one pass.
     double sweepsToReach = 0;

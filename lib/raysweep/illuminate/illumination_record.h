@@ -46,7 +46,7 @@ struct IlluminationRecord {
     double albedo[kMaxChannels] = {0};  ///< if there is no `albedoGrid`
     std::vector<Sun> suns;
     bool otherSources = false;  ///< point lights, quads or emission
-    double surfaceOpacity = 0;  ///< opacity of a voxel edge from which on what is behind a surface is solid; 0: a fog
+    double surfaceOpacity = 0;  ///< opacity of a voxel edge from which on radiosity is not that of a medium; 0: a fog
 
     double powerUnit = 1;           ///< W; all powers here are in it
     double zeta = 0, mostShot = 0;  ///< of a beam, see ExchangeConstants; 0 without sweeps

@@ -45,7 +45,8 @@ struct IlluminateOptions {
     Remaining remaining = Remaining::shoot;
     Interpolation interpolation = Interpolation::nearest;
     Exchange exchange = Exchange::automatic;
-    /// A voxel has a surface if opacity changes by more than this per voxel there, (0,1].
+    /// A voxel has a surface if opacity, averaged, changes by more than this per voxel there, and what is behind it is
+    /// opaque, (0,1].
     double surfaceThreshold = 0.1;
     DirectionSet directions = DirectionSet::fibonacci;
     int batch = 32;  ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as

@@ -5,22 +5,36 @@
 #include "raysweep/illuminate/voxel_radiance.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace raysweep {
 namespace {
 
-/// Deposit over F in the surfaces' bricks.
+/// Deposit over F in the surfaces' bricks, averaged.
 template <class DepositOf>
 BrickField receivedBySurfaces(const SolverState& state, int channel, const DepositOf& depositOf) {
-    BrickField received(state.solid.surfaces.bricks.size());
+    BrickField received(state.solid.surfaces.bricks.size()), furnace(state.solid.surfaces.bricks.size());
     parallelFor(state.medium.volume.layout.brickCount(), [&](std::size_t b) {
         if (!state.solid.surfaces.normals(b)) return;
         const BrickRadiance radiance(state, channel, b);
         float* const to = received.brick(state.solid.surfaces.slots[b]);
-        for (int i = 0; i < kBrickVoxels; ++i)
-            if (radiance.isSurface(i) && radiance.isKnown(i)) to[i] = float(depositOf(b, i) * radiance.perPower(i));
+        float* const F = furnace.brick(state.solid.surfaces.slots[b]);
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            if (!radiance.isSurface(i) || !radiance.isKnown(i)) continue;
+            to[i] = float(depositOf(b, i) * radiance.perPower(i));
+            F[i] = float(1 / radiance.perPower(i));
+        }
     });
-    return received;
+    return evenedOut(state, received, furnace);
+}
+
+/// What no radiance within a solid can exceed, in `radianceUnit`: that of the sky, if there is no other light. F is
+/// found to keep this; what is left above are single voxels of a medium by the noise of their directions, and edges of
+/// sharp solids.
+double brightestPossible(const SolverState& state, int channel) {
+    const bool known = state.solid.present && !state.power.hasSource() && state.power.injections > 0 &&
+                       state.medium.model == ExchangeModel::corrected;
+    return known ? state.power.brightest[channel] : INFINITY;
 }
 
 }  // namespace
@@ -36,9 +50,8 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
         if (!extra.empty()) deposit += double(extra.brick(b)[i]);
         return deposit * perInjection;
     };
-    const BrickField even =
-        state.solid.furnace.empty() ? BrickField() : evenedOut(state, receivedBySurfaces(state, channel, depositOf));
-    const double unit = state.radianceUnit();
+    const BrickField even = state.solid.furnace.empty() ? BrickField() : receivedBySurfaces(state, channel, depositOf);
+    const double unit = state.radianceUnit(), brightest = brightestPossible(state, channel);
     parallelFor(
         bricks,
         [&](std::size_t b) {
@@ -53,7 +66,9 @@ void computeRadiosity(const SolverState& state, int channel, const BrickField& e
                 const double received = radiance.isSurface(i) && !even.empty()
                                             ? double(even.brick(state.solid.surfaces.slots[b])[i])
                                             : depositOf(b, i) * perPower;
-                S = float((radiance.scattered(i, received) + radiance.directly(i, perPower)) * unit);
+                const double found = radiance.scattered(i, received) + radiance.directly(i, perPower);
+                const double albedo = double(state.medium.albedoView(channel).brick(b)[i]);
+                S = float(std::min(found, albedo * brightest) * unit);
             }
         },
         16);

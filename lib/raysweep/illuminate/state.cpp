@@ -40,7 +40,8 @@ std::size_t bytesPerVoxel(const Scene& scene, const IlluminateOptions& options, 
     const std::size_t perChannel = 4 + (scene.medium.albedoGrid ? 1 : 0) + (scene.medium.emission ? 1 : 0) +
                                    (options.interpolation == Interpolation::linear ? 1 : 0) +
                                    (options.snapshotEvery > 0 ? 1 : 0);
-    const std::size_t ofSurfaces = plan.surfaces ? 2 + 2 * std::size_t(plan.channels) : 0;
+    const std::size_t ofWhite = options.interpolation == Interpolation::linear ? 3 : 2;  // white_furnace.h
+    const std::size_t ofSurfaces = plan.surfaces ? 2 + 2 * std::size_t(plan.channels) + ofWhite : 0;
     // A coarse level has a seventh of the voxels, with all that are coarser still; more where bricks are partly full.
     const bool coarse = plan.sweeps && !plan.surfaces && mayStartCoarse(options);
     const std::size_t ofCoarse = coarse ? (1 + std::size_t(plan.channels) * kCoarseFields) / 4 : 0;
@@ -70,7 +71,6 @@ SolverState prepareState(const Scene& scene, const IlluminateOptions& options, c
     SolverState state(std::move(layout), options.periodic, std::move(escape));
     state.emission = emission;
     state.medium.model = options.exchange == Exchange::paper ? ExchangeModel::asPrinted : ExchangeModel::corrected;
-    state.solid.threshold = options.surfaceThreshold;
     state.solid.present = plan.surfaces;
     state.medium.channels = plan.channels;
 
@@ -153,7 +153,6 @@ ExchangeConstants exchangeConstants(const SolverState& state, double zeta, int b
     // A hair less than its share where shares are rounded, so that together they never take more than there is.
     constexpr float kRounding = 1e-6f;
     constants.mostShot = (beams & (beams - 1)) == 0 ? 1.0f / float(beams) : (1 - kRounding) / float(beams);
-    constants.solidTau = float(state.solidTau());
     return constants;
 }
 
@@ -172,7 +171,7 @@ double thickShare(const SolverState& state) {
         const PackedNormal* const normals = state.solid.surfaces.normals(b);
         int count = 0;
         for (int i = 0; i < kBrickVoxels; ++i)
-            count += double(state.medium.tau.brick(b)[i]) > limit && !(normals && normals[i] != 0);
+            count += double(state.medium.tau.brick(b)[i]) > limit && !(normals && isSurface(normals[i]));
         return double(count);
     });
     return thick / std::max<double>(1, double(state.medium.volume.layout.activeVoxels));

@@ -33,13 +33,23 @@ struct MediumFields {
     double voxelFace() const { return voxelEdge() * voxelEdge(); }
 };
 
+/// See white_furnace.h. Powers are in a ray's units of the local furnace.
+struct WhiteFurnace {
+    BrickField albedo;  ///< one brick of 1
+    BrickField unshot, deposit, fresh;
+    double injected = 0;
+    bool settled = false;  ///< hardly anything is unshot
+
+    bool present() const { return !deposit.empty(); }
+};
+
 /// Surfaces of solids and of quad lights, and what they show. The fields are of the surfaces' bricks alone.
 struct SolidFields {
     bool present = false;  ///< there are surfaces besides those of quad lights
-    double threshold = 0;  ///< see IlluminateOptions::surfaceThreshold
     Surfaces surfaces;
     std::vector<openvdb::FloatGrid::Ptr> quadAreas;  ///< see rasterizeQuad
     BrickField furnace;                              ///< sum of F over all injections; empty if not measured
+    WhiteFurnace white;                              ///< where the local one cannot be trusted
     BrickField seen[kMaxChannels];                   ///< S of direct light, in `radianceUnit`
     BrickField emitted[kMaxChannels];                ///< the part of `source` that is not in `seen`
 };
@@ -59,6 +69,8 @@ struct PowerFields {
     BrickField zero;                  ///< one brick of nothing
 
     int injections = 0;
+    /// Radiance of the brightest ray that came in, in `radianceUnit`.
+    double brightest[kMaxChannels] = {0};
     PowerBalance perInjection;  ///< of direct light and emission, for one injection, in `unit`
     PowerBalance swept;         ///< what rays of all sweeps so far brought in and out, in `unit`
 
@@ -79,12 +91,6 @@ struct SolverState {
 
     /// W m^-2 sr^-1: a unit of power spread over the face of a voxel and all directions.
     double radianceUnit() const { return power.unit / medium.voxelFace(); }
-    /// tau from which on a voxel without a surface is the inside of a solid, if there are solids: an opacity that would
-    /// make a surface if it began there.
-    double solidTau() const {
-        if (!solid.present) return INFINITY;
-        return -std::log1p(-solid.threshold) * medium.escape.meanStepLength() / medium.voxelEdge();
-    }
 };
 
 /// Fields of extinction and albedo, nothing lit yet. @throw InvalidArgument for voxels without meaning.

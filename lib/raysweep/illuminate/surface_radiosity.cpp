@@ -15,7 +15,7 @@ constexpr int kDeepest = 64;
 
 /// Whether two surface voxels belong to the same piece of surface, by their normals.
 bool agree(PackedNormal a, PackedNormal b) {
-    return b != 0 && unpackNormal(a).dot(unpackNormal(b)) > 0.5;
+    return isSurface(b) && unpackNormal(a).dot(unpackNormal(b)) > 0.5;
 }
 
 /// A value found for a voxel of a brick.
@@ -60,7 +60,7 @@ bool fillBrick(const SolverState& state, const BrickField& radiosity, std::size_
 
 }  // namespace
 
-BrickField evenedOut(const SolverState& state, const BrickField& received) {
+BrickField evenedOut(const SolverState& state, const BrickField& received, const BrickField& furnace) {
     const BrickLayout& layout = state.medium.volume.layout;
     const auto ofSurfaces = [&](const BrickField& field, std::size_t b) {
         return state.solid.surfaces.normals(b) ? field.brick(state.solid.surfaces.slots[b]) : nullptr;
@@ -73,12 +73,12 @@ BrickField evenedOut(const SolverState& state, const BrickField& received) {
             return PaddedBrick<float>(layout, state.medium.volume.map, state.medium.volume.periodic, b,
                                       [&](std::size_t n) { return ofSurfaces(field, n); });
         };
-        const PaddedBrick<float> values = padded(received), weights = padded(state.solid.furnace);
+        const PaddedBrick<float> values = padded(received), weights = padded(furnace);
         const PaddedBrick<PackedNormal> normals(layout, state.medium.volume.map, state.medium.volume.periodic, b,
                                                 [&](std::size_t n) { return state.solid.surfaces.normals(n); });
         float* const to = even.brick(state.solid.surfaces.slots[b]);
         for (int i = 0; i < kBrickVoxels; ++i) {
-            if (own[i] == 0) continue;
+            if (!isSurface(own[i])) continue;
             double sum = 0, weight = 0;
             normals.forEachAround(i, [&](int x, int y, int z) {
                 if (!agree(own[i], normals.at(x, y, z))) return;

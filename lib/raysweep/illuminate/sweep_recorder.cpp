@@ -14,7 +14,7 @@ openvdb::GridBase::Ptr normalGrid(const SolverState& state, const openvdb::math:
     for (std::size_t b = 0; b < layout.brickCount(); ++b) {
         const PackedNormal* const normals = state.solid.surfaces.normals(b);
         for (int i = 0; normals && i < kBrickVoxels; ++i) {
-            if (normals[i] == 0) continue;
+            if (!isSurface(normals[i])) continue;
             const Vec3 normal = unpackNormal(normals[i]);
             for (int axis = 0; axis < 3; ++axis) components[axis].brick(b)[i] = float(normal[axis]);
         }
@@ -40,7 +40,9 @@ void recordScene(IlluminationRecord& record, const SolverState& state, const Sce
     record.channels = medium.channels;
     record.suns = scene.suns;
     record.otherSources = !scene.points.empty() || !scene.quads.empty() || scene.medium.emission;
-    if (state.solid.present) record.surfaceOpacity = state.solid.threshold;
+    // With a white furnace no voxel's radiosity is that of a medium alone.
+    constexpr double kAny = 1e-30;
+    if (state.solid.present) record.surfaceOpacity = state.solid.surfaces.mixed ? kAny : options.surfaceThreshold;
     if (!state.solid.surfaces.empty()) record.normals = normalGrid(state, scene.medium.density->transform());
     record.powerUnit = state.power.unit;
     record.extinction = extinctionGrid(scene.medium);

@@ -6,6 +6,7 @@
 #include "raysweep/illuminate/power_balance.h"
 #include "raysweep/illuminate/radiosity.h"
 #include "raysweep/illuminate/sweep_recorder.h"
+#include "raysweep/illuminate/white_furnace.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,9 @@ constexpr int kFinishInterval = 4;  ///< finishing sweeps between looks at what 
 constexpr int kCoarseSweeps = 40;
 constexpr std::size_t kFewestBricks = 8;  ///< that a coarse level is worth while for
 constexpr std::size_t kFewestMerged = 3;  ///< bricks that become one, on average
-constexpr int kMostFinishing = 100000;    ///< a stop for media that lose power ever so slowly
+constexpr double kFurnaceUnshot = 1e-3;
+constexpr int kFewestFurnaceSweeps = 400;
+constexpr int kMostFinishing = 100000;  ///< a stop for media that lose power ever so slowly
 
 /// Mean optical depth of a voxel from which on those twice as long are thick.
 constexpr double kThickVoxels = 0.3;
@@ -43,7 +46,9 @@ constexpr Pace kSettling{0.5, 1};  ///< of a change on a coarse level
 /// as many coarse ones would be just as much work.
 std::vector<Index3> bricksToStartFrom(const SolverState& state, const IlluminateOptions& options) {
     const BrickLayout& layout = state.medium.volume.layout;
-    if (!mayStartCoarse(options) || !state.solid.surfaces.empty() || layout.brickCount() < kFewestBricks) return {};
+    if (!mayStartCoarse(options) || !state.solid.surfaces.empty() || state.solid.white.present() ||
+        layout.brickCount() < kFewestBricks)
+        return {};
     std::vector<Index3> origins = coarseOrigins(layout);
     return origins.size() * kFewestMerged <= layout.brickCount() ? std::move(origins) : std::vector<Index3>();
 }
@@ -92,6 +97,7 @@ class Solver {
         const ExchangeFields fields = exchangeFields(state_, inject == Inject::everything);
         const std::vector<RaySums> sums = sweep(state_.medium.volume, beams, options_.interpolation, fields, constants);
         if (options_.interpolation == Interpolation::linear) settle(state_.medium.volume, beams, fields, constants);
+        sweepWhiteFurnace(state_, beams, options_.interpolation, constants, inject == Inject::everything);
         for (std::size_t i = 0; i < sums.size(); ++i) {
             for (int c = 0; c < state_.medium.channels; ++c) {
                 state_.power.swept.injected[c] += sums[i].entered[c];
@@ -102,6 +108,14 @@ class Solver {
         if (options_.record) record(directions, beams, sums, inject);
         if (inject == Inject::everything) state_.power.injections += int(beams.size());
         return int(beams.size());
+    }
+
+    /// Sweeps the white furnace alone, without a sky.
+    void sweepFurnaceNext() {
+        std::vector<Beam> beams;
+        for (const Vec3& direction : directions_.nextGroup(mostBeams_))
+            beams.push_back(nextBeam(direction, Inject::nothing));
+        sweepWhiteFurnace(state_, std::move(beams), options_.interpolation, constants(), false);
     }
 
     ExchangeConstants constants() const { return exchangeConstants(state_, zeta_, mostBeams_); }
@@ -135,11 +149,14 @@ class Solver {
     }
 
     /// A single direction stands for the whole sphere: rays carry the radiance over 4 pi steradians.
-    void setSky(Beam& beam, const Vec3& direction) const {
+    void setSky(Beam& beam, const Vec3& direction) {
         const Color factor = scene_.sky.profile ? scene_.sky.profile(direction) : grey(1);
-        for (int c = 0; c < state_.medium.channels; ++c)
+        for (int c = 0; c < state_.medium.channels; ++c) {
             beam.entering[c] = float(double(scene_.sky.radiance[c]) * std::max(0.0, double(factor[c])) * 4 * kPi *
                                      beam.front.crossSection / state_.power.unit);
+            const double radiance = double(beam.entering[c]) / (4 * kPi * double(beam.furnaceRay));
+            state_.power.brightest[c] = std::max(state_.power.brightest[c], radiance);
+        }
     }
 
     void record(const std::vector<Vec3>& directions, const std::vector<Beam>& beams, const std::vector<RaySums>& sums,
@@ -241,6 +258,19 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
     return sweeps;
 }
 
+/// Sweeps the white furnace until hardly any of it is unshot, or that would take too long.
+void settleFurnace(Solver& solver, SolverState& state, const ProgressCallback& progress) {
+    if (!state.solid.white.present()) return;
+    const int most = std::max(kFewestFurnaceSweeps, 2 * state.power.injections);
+    double left = unshotShareOfFurnace(state);
+    for (int sweeps = 0; sweeps < most && left > kFurnaceUnshot; ++sweeps) {
+        solver.sweepFurnaceNext();
+        if (sweeps % kFinishInterval == 0) left = unshotShareOfFurnace(state);
+        if (!report(progress, "furnace", double(sweeps) / most)) break;
+    }
+    state.solid.white.settled = left <= kFurnaceUnshot;
+}
+
 /// Solves the coarse level of `bricks` (which may start from one coarser still), and lets `state` begin where that has
 /// ended.
 std::unique_ptr<CoarseLevel> startFromCoarse(std::vector<Index3> bricks, SolverState& state, Solver& solver,
@@ -286,6 +316,7 @@ SweepRecord runSweeps(SolverState& state, const SweepJob& job) {
     SweepRecord record;
     Timer timer;
     allocateSweepFields(state, options);
+    allocateWhiteFurnace(state, options.interpolation);
     std::vector<Index3> coarseBricks = bricksToStartFrom(state, options);
     const bool fromCoarse = !coarseBricks.empty();
     Solver solver(job.scene, options, state, paceOf(state, options, fromCoarse));
@@ -303,6 +334,7 @@ SweepRecord runSweeps(SolverState& state, const SweepJob& job) {
     const bool finish = !coarse && shoot && !stopped;
     if (finish) record.finishingSweeps = shootRemaining(solver, state, enough, job.progress, record.termination);
     if (recorder) recorder->end();
+    if (!stopped) settleFurnace(solver, state, job.progress);
     if (coarse) settleOnCoarse(*coarse, state, enough, job, record);
     // Asked to stop, spreading is the quickest way to an answer that has all the power.
     else if (!finish && options.remaining != Remaining::drop)

@@ -1,5 +1,8 @@
 #include "raysweep/illuminate/voxel_radiance.h"
 
+#include "raysweep/core/parallel.h"
+
+#include <algorithm>
 #include <cmath>
 
 namespace raysweep {
@@ -40,13 +43,39 @@ void absorbedShares(const SolverState& state, int channel, std::size_t b, double
     const EscapeFit& fit = state.medium.escape.fit();
     for (int i = 0; i < kBrickVoxels; ++i) {
         const double stays = 1 - double(albedo[i]);
-        const double p = scatterOnce || (normals && normals[i] != 0) ? 1 : fit.probability(double(tau[i]));
+        const double p = scatterOnce || (normals && isSurface(normals[i])) ? 1 : fit.probability(double(tau[i]));
         share[i] = stays / (p + stays * (1 - p));
     }
 }
 
+FurnaceShares furnaceShares(const SolverState& state) {
+    struct Counts {
+        double medium = 0, white = 0;
+        Counts& operator+=(const Counts& more) {
+            medium += more.medium, white += more.white;
+            return *this;
+        }
+    };
+    if (!state.solid.present) return {};
+    const Counts counts = orderedSum<Counts>(state.medium.volume.layout.brickCount(), [&](std::size_t b) {
+        const BrickRadiance radiance(state, 0, b);
+        Counts sum;
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            if (!radiance.isKnown(i)) continue;
+            if (radiance.isWhite(i))
+                sum.white += 1;
+            else if (!radiance.isSurface(i))
+                sum.medium += 1;
+        }
+        return sum;
+    });
+    const double active = double(std::max<std::size_t>(1, state.medium.volume.layout.activeVoxels));
+    return {counts.medium / active, counts.white / active};
+}
+
 BrickRadiance::BrickRadiance(const SolverState& state, int channel, std::size_t b)
     : state_(state),
+      brick_(b),
       normals_(state.solid.surfaces.normals(b)),
       tau_(state.medium.tau.brick(b)),
       source_(state.power.hasSource() ? state.power.scatteredSource(channel).brick(b) : state.power.zero.brick(0)) {
@@ -54,7 +83,8 @@ BrickRadiance::BrickRadiance(const SolverState& state, int channel, std::size_t 
     absorbingAreas(state.medium, b, perPower_);
     const float face = float(state.medium.voxelFace() / (4 * kPi));
     for (float& value : perPower_) value = face / value;
-    if (!state.solid.furnace.empty()) solidTau_ = state.solidTau();
+    if (state.solid.white.present()) white_ = state.solid.white.deposit.brick(b);
+    settled_ = state.solid.white.settled;
     if (!normals_) return;
     const std::uint32_t slot = state.solid.surfaces.slots[b];
     if (!state.solid.furnace.empty()) furnace_ = state.solid.furnace.brick(slot);

@@ -113,9 +113,9 @@ struct Taken {
 void meetVoxel(Field& field, const Ray& ray, const VoxelPart& part, double length, Taken& taken) {
     const float tau = field.source.tau.brick(part.brick)[part.offset];
     const PackedNormal* const normals = field.source.surfaces ? field.source.surfaces->normals(part.brick) : nullptr;
-    const bool surface = normals && normals[part.offset] != 0;
+    const bool surface = normals && isSurface(normals[part.offset]);
     const double cosine = surface ? unpackNormal(normals[part.offset]).dot(ray.direction) : 0;
-    const bool solid = (surface && tau > 0) || double(tau) >= field.source.solidTau;
+    const bool solid = normals && normals[part.offset] != 0 && tau > 0;
     taken.solid = taken.solid || solid;
     taken.leaving = taken.leaving || (tau > 0 && cosine > double(kLeavingCosine));
     if (tau == 0 || (surface && cosine >= 0)) return;
@@ -126,7 +126,7 @@ void meetVoxel(Field& field, const Ray& ray, const VoxelPart& part, double lengt
         return double(units) / field.unitsPerPower;
     };
     taken.power += take(field.power, part.brick, ray.power);
-    if (solid && normals) taken.furnace += take(field.furnace, field.source.surfaces->slots[part.brick], ray.furnace);
+    if (solid) taken.furnace += take(field.furnace, field.source.surfaces->slots[part.brick], ray.furnace);
 }
 
 /// Takes one ray through the volume. @return the power left

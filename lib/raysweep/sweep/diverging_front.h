@@ -19,7 +19,6 @@ struct PointSource {
     BrickView<const float> tau;
     double scale = 1;                    ///< extinction, 1/world unit, is `scale` * tau
     const Surfaces* surfaces = nullptr;  ///< null: none
-    double solidTau = 1e30;              ///< see ExchangeConstants
 };
 
 /// What light of unit power leaves behind.

@@ -32,7 +32,7 @@ void settle(const std::vector<Beam>& beams, const ExchangeFields& fields, const 
         const Vec inverse = inverseEscapeAt(constants, normals, i, tau);
         const Vec shotPart = hn::Mul(inverse, hn::Set(kLanes, rule.part));
         VoxelSurfaces surfaces;
-        if (normals) surfaces = voxelSurfaces(rule, normals + i, tau);
+        if (normals) surfaces = voxelSurfaces(normals + i, tau);
         Vec shot = hn::Zero(kLanes);
         for (const Beam& beam : beams) {
             if (rule.asPrinted && !normals) {  // no need of the terms

@@ -27,11 +27,11 @@
 /// each shoots its part of that: none sees what another has just left there, which would bring it back the way it came.
 ///
 /// "Outside" has to be told with care, or rays are counted twice (F too large) or not at all. Inside are surface
-/// voxels, and opaque ones behind them (in bricks that have a surface): a ray set back to 1 there would count again
-/// where it comes upon another surface from within, at every concave edge. A ray that cuts a step of a staircase and
-/// soon meets the next one is still the same ray: it must have been outside for kSurfaceGap slices. But one that left a
-/// wall through its surface, and not at a glancing angle (kLeavingCosine), is new, however near the next wall is.
-/// (Measured in docs/decisions/0005.)
+/// voxels, and those marked as inside of solids (in bricks that have a surface): a ray set back to 1 there would count
+/// again where it comes upon another surface from within, at every concave edge. A ray that cuts a step of a staircase
+/// and soon meets the next one is still the same ray: it must have been outside for kSurfaceGap slices. But one that
+/// left a wall through its surface, and not at a glancing angle (kLeavingCosine), is new, however near the next wall
+/// is. (Measured in docs/decisions/0005.)
 #pragma once
 
 #include "raysweep/bricks/bricks.h"
@@ -92,9 +92,8 @@ constexpr int kMostBeams = 8;  ///< in one sweep
 struct ExchangeConstants {
     ExchangeModel model = ExchangeModel::corrected;
     EscapeFit escape;
-    float zeta = 0.5f;       ///< ζ/K: part of the unshot power that is shot along each of up to K beams, (0,1]
-    float mostShot = 1;      ///< the most that a beam may take of it; together they must not take more than there is
-    float solidTau = 1e30f;  ///< tau from which on a voxel is solid, surface or not
+    float zeta = 0.5f;   ///< ζ/K: part of the unshot power that is shot along each of up to K beams, (0,1]
+    float mostShot = 1;  ///< the most that a beam may take of it; together they must not take more than there is
 };
 
 /// A brick as a sweep meets it.

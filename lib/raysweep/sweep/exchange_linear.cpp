@@ -66,7 +66,7 @@ HWY_INLINE void findTerms(const ExchangeRule& rule, const Beam& beam, const Line
         const Vec shotPart = hn::Load(kLanes, brick.shotPart.value[j] + i);
         VoxelTerms terms = voxelTerms<kThinOnly>(rule, beam.stepScale, tau, shotPart);
         if (kSurfaces) {
-            const VoxelSurfaces surfaces = voxelSurfaces(rule, brick.normals.value[j] + i, tau);
+            const VoxelSurfaces surfaces = voxelSurfaces(brick.normals.value[j] + i, tau);
             const VoxelSolids solids = applySurfaces(rule, beam.front.direction, surfaces, terms);
             const Vec measured = hn::Load(kLanes, brick.measured.value[j] + i);
             const Vec inside = hn::IfThenElseZero(solids.inside, measured);

@@ -225,7 +225,7 @@ HWY_INLINE void exchangeVoxels(const BeamSlices& slices, const SliceView<kChanne
     if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
         voxels.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, slices.rule.part));
         VoxelSurfaces surfaces;
-        if (kSurfaces) surfaces = voxelSurfaces(slices.rule, view.normals + at, voxels.tau);
+        if (kSurfaces) surfaces = voxelSurfaces(view.normals + at, voxels.tau);
         if (kSurfaces && !hn::AllFalse(kLanes, hn::Or(surfaces.surface, surfaces.solid)))
             meetBeams<kChannels, false, true>(slices, surfaces, voxels);
         else if (kThinOnly ||

@@ -82,14 +82,12 @@ struct ExchangeRule {
     static constexpr float kAnyPart = 1e30f;  ///< times 1 / (s len) of the thickest voxel it is far above 1
     float part, most;
     float ofSurface;  ///< out / U of a surface is this times the cosine
-    float solidTau;   ///< see ExchangeConstants
     bool asPrinted;
 
     explicit ExchangeRule(const ExchangeConstants& constants)
         : part(constants.zeta),
           most(constants.mostShot),
           ofSurface(std::min(constants.mostShot, 4 * constants.zeta)),
-          solidTau(constants.solidTau),
           asPrinted(constants.model == ExchangeModel::asPrinted) {
         if (!asPrinted) return;
         part = kAnyPart;
@@ -142,17 +140,23 @@ HWY_INLINE Vec normalComponent(hn::Vec<hn::RebindToSigned<Lanes>> packed, int ax
 struct VoxelSurfaces {
     hn::Mask<Lanes> surface;  ///< has a normal
     hn::Mask<Lanes> present;  ///< and is not empty, as the voxels of a quad light are
-    hn::Mask<Lanes> solid;    ///< present, or opaque enough to be the inside of a solid
+    hn::Mask<Lanes> solid;    ///< present, or inside of a solid
     Vec normal[3];
 };
 
-HWY_INLINE VoxelSurfaces voxelSurfaces(const ExchangeRule& rule, const PackedNormal* normals, Vec tau) {
+HWY_INLINE hn::Mask<Lanes> hasSurfaceBit(hn::Vec<hn::RebindToSigned<Lanes>> packed) {
+    const hn::RebindToSigned<Lanes> kWholes;
+    return hn::RebindMask(kLanes, hn::TestBit(packed, hn::Set(kWholes, std::int32_t(kSurfaceBit))));
+}
+
+HWY_INLINE VoxelSurfaces voxelSurfaces(const PackedNormal* normals, Vec tau) {
     const hn::RebindToSigned<Lanes> kWholes;
     const auto packed = hn::BitCast(kWholes, hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
     VoxelSurfaces surfaces;
-    surfaces.surface = hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes)));
-    surfaces.present = hn::And(surfaces.surface, hn::Gt(tau, hn::Zero(kLanes)));
-    surfaces.solid = hn::Or(surfaces.present, hn::Ge(tau, hn::Set(kLanes, rule.solidTau)));
+    const auto present = hn::Gt(tau, hn::Zero(kLanes));
+    surfaces.surface = hasSurfaceBit(packed);
+    surfaces.present = hn::And(surfaces.surface, present);
+    surfaces.solid = hn::And(hn::RebindMask(kLanes, hn::Ne(packed, hn::Zero(kWholes))), present);
     for (int axis = 0; axis < 3; ++axis) surfaces.normal[axis] = normalComponent(packed, axis);
     return surfaces;
 }
@@ -175,9 +179,8 @@ HWY_INLINE VoxelSolids applySurfaces(const ExchangeRule& rule, const Vec3& direc
 
 /// 1 / p where voxels of a surface are taken to scatter once: 1.
 HWY_INLINE Vec withoutEscape(const PackedNormal* normals, Vec inverseEscape) {
-    const hn::RebindToUnsigned<Lanes> kWhole;
-    const auto surface = hn::RebindMask(kLanes, hn::Ne(hn::Load(kWhole, normals), hn::Zero(kWhole)));
-    return hn::IfThenElse(surface, hn::Set(kLanes, 1.0f), inverseEscape);
+    const auto packed = hn::BitCast(hn::RebindToSigned<Lanes>(), hn::Load(hn::RebindToUnsigned<Lanes>(), normals));
+    return hn::IfThenElse(hasSurfaceBit(packed), hn::Set(kLanes, 1.0f), inverseEscape);
 }
 
 /// g = albedo p / (1 - albedo (1 - p)), written so that nothing is lost where p is below the precision of a float, and

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "raysweep/bricks/brick_map.h"
 #include "raysweep/bricks/gradient.h"
@@ -30,6 +32,15 @@ struct Block {
     BrickField field;
 };
 
+Surfaces surfacesOf(const Block& block) {
+    return findSurfaces(block.layout, BrickMap(block.layout), block.field, {}, {1, 0.1});
+}
+
+/// Depth of a voxel of that opacity.
+double depthOf(double opacity) {
+    return -std::log1p(-opacity);
+}
+
 }  // namespace
 
 TEST(SurfaceVoxels, PackedNormalsKeepTheirDirection) {
@@ -54,12 +65,15 @@ TEST(SurfaceVoxels, GradientOfALinearFieldIsExactAcrossBricks) {
     }
 }
 
-TEST(SurfaceVoxels, OnlyTheLayerAtTheFaceOfASolidIsSurface) {
+TEST(SurfaceVoxels, OnlyTheLayersAtTheFaceOfASolidAreSurface) {
     const Block block([](const Index3& v) { return v.z < 0 ? 4.6 : 0.0; });
     const Surfaces surfaces =
         findSurfaces(block.layout, BrickMap(block.layout), block.field, {true, true, false}, {1, 0.1});
-    // The upper face and, since outside of all bricks is empty, the lower one.
-    EXPECT_EQ(countSurfaceVoxels(surfaces), 2u * 16 * 16);
+    // Two layers, where opacity averaged over five voxels changes, at the upper face and, since outside of all bricks
+    // is empty, at the lower one. What is between them is inside.
+    EXPECT_EQ(countSurfaceVoxels(surfaces), 4u * 16 * 16);
+    EXPECT_FALSE(surfaces.mixed);
+    EXPECT_TRUE(surfaces.isInside(BrickMap(block.layout).find({3, -5, -4}), int(offsetInBrick(Index3(3, -5, -4)))));
     const BrickMap map(block.layout);
     for (const auto& [voxel, up] : {std::pair(Index3(3, -5, -1), 1.0), std::pair(Index3(3, -5, -8), -1.0)}) {
         const PackedNormal* const normals = surfaces.normals(map.find(voxel));
@@ -78,4 +92,52 @@ TEST(SurfaceVoxels, NormalsAreWorldVectors) {
     ASSERT_NE(normals, nullptr);
     const Vec3 exact = Vec3(3, 0, 1).normalized();
     EXPECT_LE((unpackNormal(normals[offsetInBrick(voxel)]) - exact).length(), 0.003);
+}
+
+// The normals that Lambert's law is applied to: a sphere as levelSetToSolid makes it, its edge one voxel soft.
+TEST(SurfaceVoxels, NormalsOfASphereAreThoseOfTheSphere) {
+    const Vec3 middle(-0.3, 0.1, -0.4);
+    const Block block([&](const Index3& v) {
+        const double distance = (Vec3(v) - middle).length() - 6;
+        return depthOf(0.99 * std::clamp(0.5 - distance, 0.0, 1.0));
+    });
+    const Surfaces surfaces = surfacesOf(block);
+    EXPECT_FALSE(surfaces.mixed);
+    double sum = 0, count = 0;
+    for (std::size_t b = 0; b < block.layout.brickCount(); ++b)
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            if (!isSurface(surfaces.normals(b)[i])) continue;
+            const Vec3 out = (Vec3(block.layout.origins[b] + voxelInBrick(i)) - middle).normalized();
+            sum += std::acos(std::min(1.0, out.dot(unpackNormal(surfaces.normals(b)[i])))) * 180 / kPi;
+            ++count;
+        }
+    std::printf("  normals %.3f degrees off on average\n", sum / count);
+    EXPECT_LE(sum / count, 0.95);
+}
+
+// Light goes through them: they are media, and so is noise, whose gradients mean nothing.
+TEST(SurfaceVoxels, SoftAndNoisySolidsHaveNone) {
+    const auto plate = [](double opacity, double noise) {
+        std::mt19937 random(3);
+        return surfacesOf(Block([&](const Index3& v) {
+            const double a = opacity + noise * std::normal_distribution<double>()(random);
+            return std::abs(v.z) < 4 ? depthOf(std::clamp(a, 0.0, 0.99)) : 0.0;
+        }));
+    };
+    for (const double noise : {0.0, 0.05, 0.15}) {
+        const Surfaces surfaces = plate(0.35, noise);
+        EXPECT_EQ(countSurfaceVoxels(surfaces), 0u) << noise;
+    }
+    EXPECT_GT(countSurfaceVoxels(plate(0.95, 0.02)), 0u);
+    std::mt19937 random(4);
+    const Surfaces grains =
+        surfacesOf(Block([&](const Index3&) { return random() % 2 ? depthOf(0.99) : 0.0; }));  // 4096 of them
+    EXPECT_LE(countSurfaceVoxels(grains), 100u);
+    EXPECT_TRUE(grains.mixed);
+}
+
+TEST(SurfaceVoxels, ASheetOneVoxelThickIsAMedium) {
+    const Surfaces surfaces = surfacesOf(Block([](const Index3& v) { return v.z == 2 ? 4.6 : 0.0; }));
+    EXPECT_EQ(countSurfaceVoxels(surfaces), 0u);
+    EXPECT_TRUE(surfaces.inside.empty());
 }

@@ -72,7 +72,6 @@ ExchangeConstants constantsOf(const ExchangeCase& of, const ExchangeVolume& volu
     constants.escape = volume.escape.fit();
     constants.zeta = 0.9f / float(beams);
     constants.mostShot = 1 / float(beams);
-    constants.solidTau = 2;
     return constants;
 }
 

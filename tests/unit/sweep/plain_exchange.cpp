@@ -36,7 +36,7 @@ struct VoxelTerms {
 
 VoxelTerms termsOf(const PlainBeam& plain, PackedNormal normal, double tau, double albedo) {
     const double along = tau * double(plain.beam.stepScale), opacity = -std::expm1(-along);
-    if (normal != 0) {
+    if (isSurface(normal)) {
         const double cosine = cosineOf(plain, normal);
         const bool paper = plain.model == ExchangeModel::asPrinted;
         const double shot = paper ? double(plain.zeta) : std::min(double(plain.mostShot), 4 * double(plain.zeta));
@@ -64,8 +64,8 @@ struct PlainFurnace {
               double opacity, double weight, double& total) {
         Ray& ray = rays[at];
         if (ray.last < k - kSurfaceGap) ray.f = double(plain.beam.furnaceRay);
-        const bool leaving = normal != 0 && tau > 0 && cosineOf(plain, normal) > double(kLeavingCosine);
-        const bool inside = !leaving && ((normal != 0 && tau > 0) || tau >= double(plain.solidTau));
+        const bool leaving = isSurface(normal) && tau > 0 && cosineOf(plain, normal) > double(kLeavingCosine);
+        const bool inside = !leaving && normal != 0 && tau > 0;
         const double in = inside ? weight * opacity * ray.f : 0;
         total += in;
         ray.taken += in;
@@ -176,12 +176,15 @@ ExchangeVolume::ExchangeVolume(const ExchangeCase& made)
     };
     fill(tau, 1e-4, made.thickest);
     for (std::size_t b = 0; b < bricks; ++b) tau.brick(b)[17] = 0;
-    // Some voxels are surfaces, in some bricks.
+    // Some voxels are surfaces and some are inside, in some bricks.
     const std::vector<Vec3> ways = sphericalFibonacci(64);
     for (std::size_t b = 0; b < bricks; b += 2) {
         PackedNormal* const normals = made.surfaces ? addSurfaceBrick(surfaces, bricks, b) : nullptr;
-        for (int i = 0; i < kBrickVoxels; ++i)
-            if (uniform01(random) < 0.3 && normals) normals[i] = packNormal(ways[std::size_t(i) % 64]);
+        for (int i = 0; i < kBrickVoxels; ++i) {
+            const double kind = uniform01(random);
+            if (normals)
+                normals[i] = kind < 0.3 ? packNormal(ways[std::size_t(i) % 64]) : kind < 0.5 ? kInsideSolid : 0;
+        }
     }
     furnace = BrickField(surfaces.bricks.size());
     for (int c = 0; c < channels; ++c) {
