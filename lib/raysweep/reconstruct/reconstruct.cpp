@@ -54,7 +54,7 @@ openvdb::FloatGrid::Ptr filtered(const Scan& scan, const ReconstructOptions& opt
         result.warnings.push_back({Kind::saturation, std::to_string(rays.saturated) +
                                                          " saturated values are taken as if they were measured; "
                                                          "iterative methods know better"});
-    const std::string amiss = scanWarning(scan.geometry);
+    const std::string amiss = scanWarning(scan.geometry, &scan.projections);
     if (!amiss.empty()) result.warnings.push_back({Kind::shortScan, amiss});
     const auto backproject = [&](const Projections& projections) {
         return filteredBackprojection(projections, scan.geometry, result.grid, options.fbp, progress);

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
+
+#include "unit/instruction_sets.h"
 
 using namespace raysweep;
 using openvdb::Coord;
@@ -67,6 +70,28 @@ TEST(Fbp, GridIsWhereItWasAskedForAndTheSameForAnyNumberOfThreads) {
         EXPECT_TRUE(grid.tree().hasSameTopology(grids[1]->tree()));
         for (auto it = grid.cbeginValueOn(); it; ++it) ASSERT_EQ(*it, grids[1]->tree().getValue(it.getCoord()));
     }
+}
+
+// Vectors of voxels find their rows in tables, or fetch them one by one: coarse and fine rows, columns of voxels that
+// the detector's follow, and some that they do not. The set without vectors is the plain twin. Places are rounded
+// otherwise where multiply-adds are fused.
+TEST(Fbp, AllInstructionSetsAgree) {
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone})
+        for (const double spacing : {0.3, 1.0, 1.9, 4.0})
+            for (const bool leaning : {false, true}) {
+                Case c = smallCase(beam);
+                c.grid.spacing = spacing;
+                c.grid.dims = Index3(9, 10, 21);
+                for (XrayView& view : c.geometry.views)
+                    for (Vec3* v : {&view.source, &view.direction, &view.origin, &view.column, &view.row})
+                        if (leaning) *v = Vec3(v->x, 0.6 * v->y - 0.8 * v->z, 0.8 * v->y + 0.6 * v->z);
+                std::vector<FloatGrid::Ptr> found;
+                test::forEachInstructionSet(
+                    [&] { found.push_back(filteredBackprojection(c.projections, c.geometry, c.grid)); });
+                for (const FloatGrid::Ptr& grid : found)
+                    for (auto it = found[0]->cbeginValueOn(); it; ++it)
+                        ASSERT_NEAR(*it, grid->tree().getValue(it.getCoord()), 1e-5) << spacing;
+            }
 }
 
 TEST(Fbp, NegativeDensitiesCanBeCutOff) {
@@ -143,4 +168,53 @@ TEST(Fbp, AScanThatIsTooShortIsTold) {
     orbit.arc = 190;
     EXPECT_NE(scanWarning(circularGeometry(orbit)).find("204.0"), std::string::npos)
         << scanWarning(circularGeometry(orbit));
+}
+
+namespace {
+
+/// A ball of radius 12 about the axis, and a displaced detector that reaches `near` pixels beyond it.
+Case displacedCase(BeamShape beam, double near, double arc = 360) {
+    CircularOrbit orbit;
+    orbit.beam = beam;
+    orbit.sourceToAxis = 60;
+    orbit.sourceToDetector = 60;
+    orbit.views = int(arc / 4);
+    orbit.arc = arc;
+    orbit.width = 30;
+    orbit.height = 20;
+    orbit.axisColumn = near - 0.5;
+    Case c;
+    c.geometry = circularGeometry(orbit);
+    c.projections = exactProjections({ellipsoid(1, Vec3(0), Vec3(12))}, c.geometry);
+    c.grid.dims = Index3(24, 24, 3);
+    c.grid.spacing = 1;
+    return c;
+}
+
+}  // namespace
+
+TEST(Fbp, DisplacedDetectorsThatMissTooMuchAreRefused) {
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
+        EXPECT_EQ(messageOf(displacedCase(beam, 8)), "");
+        for (const double near : {-3.0, -6.0})
+            EXPECT_NE(messageOf(displacedCase(beam, near)).find("does not see the axis"), std::string::npos) << near;
+        EXPECT_NE(messageOf(displacedCase(beam, 2)).find("4 pixels beyond the axis"), std::string::npos);
+        const std::string half = messageOf(displacedCase(beam, 8, 220));
+        EXPECT_NE(half.find("measured from some sides only"), std::string::npos) << half;
+        EXPECT_NE(half.find("iterative methods"), std::string::npos) << half;
+    }
+}
+
+TEST(Fbp, MissingLinesThatShowNothingDoNotMatter) {
+    Case c = displacedCase(BeamShape::cone, 8, 220);
+    EXPECT_NE(scanWarning(c.geometry, &c.projections), "");
+    c.projections = exactProjections({ellipsoid(1, Vec3(0), Vec3(6))}, c.geometry);
+    EXPECT_EQ(scanWarning(c.geometry, &c.projections), "");
+    EXPECT_EQ(messageOf(c), "");
+}
+
+TEST(Fbp, RaysAlongTheAxisAreRefused) {
+    Case c = smallCase(BeamShape::cone);
+    c.geometry.views[2].origin += Vec3(0, 0, 600);
+    EXPECT_NE(messageOf(c).find("view 2: rays of its detector"), std::string::npos) << messageOf(c);
 }
