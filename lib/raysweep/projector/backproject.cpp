@@ -4,6 +4,7 @@
 
 #include "raysweep/core/parallel.h"
 #include "raysweep/projector/oblique.h"
+#include "raysweep/projector/rolled.h"
 
 #include <algorithm>
 #include <cstring>
@@ -95,9 +96,14 @@ void backprojectBlockDispatched(const ColumnVolume& layout, std::size_t b, const
     const BlockSums block{layout, layout.firstX(b), layout.firstY(b), layout.ranges()[b], {values, weights}};
     const std::size_t room = std::size_t(layout.lattice().dims.z + kColumnChunk);
     std::vector<float> scratch(2 * room);
-    for (const ViewRays& rays : views)
-        rays.view.kind == JosephView::Kind::oblique ? backprojectOblique(layout, b, rays, values, weights)
-                                                    : addView(block, rays, {scratch.data(), scratch.data() + room});
+    for (const ViewRays& rays : views) {
+        if (rays.view.kind == JosephView::Kind::oblique)
+            backprojectOblique(layout, b, rays, values, weights);
+        else if (rays.view.kind == JosephView::Kind::rolled)
+            backprojectRolled(layout, b, rays, values, weights);
+        else
+            addView(block, rays, {scratch.data(), scratch.data() + room});
+    }
 }
 
 /// Brings the rows of level rays to the voxels' z, once for all slices.
@@ -125,13 +131,15 @@ HWY_EXPORT(levelColumnsDispatched);
 void prepareBackprojection(ViewRays& rays, int dimZ) {
     const JosephView& view = rays.view;
     if (view.kind == JosephView::Kind::oblique) return;  // their lengths are found on the way
+    const bool rolled = view.kind == JosephView::Kind::rolled;
     constexpr int kTogether = 32;
     parallelFor(std::size_t((view.width + kTogether - 1) / kTogether), [&](std::size_t task) {
         const int first = int(task) * kTogether;
         const IndexRange columns{first, std::min(view.width, first + kTogether)};
         for (int n = columns.first; n < columns.last; ++n)
             for (int v = 0; v < view.height; ++v) {
-                const float length = view.columns[std::size_t(n)].length(v);
+                const float length =
+                    rolled ? view.rolled[std::size_t(n)].length(v) : view.columns[std::size_t(n)].length(v);
                 rays.values.column(n)[v] *= length;
                 rays.weights.column(n)[v] *= length;
             }

@@ -66,9 +66,11 @@ struct Lookup {
           isNear(hn::RebindMask(kLanes, hn::Lt(behind, hn::Set(kIntLanes, kLaneCount)))) {}
 
     HWY_INLINE Vec operator()(const float* from) const {
-        const Vec near = hn::TableLookupLanes(hn::LoadU(kLanes, from), index);
-        const Vec far = hn::TableLookupLanes(hn::LoadU(kLanes, from + kLaneCount), index);
-        return hn::IfThenElse(isNear, near, far);
+        return (*this)(hn::LoadU(kLanes, from), hn::LoadU(kLanes, from + kLaneCount));
+    }
+    /// Of two vectors, one behind the other.
+    HWY_INLINE Vec operator()(Vec near, Vec far) const {
+        return hn::IfThenElse(isNear, hn::TableLookupLanes(near, index), hn::TableLookupLanes(far, index));
     }
 };
 

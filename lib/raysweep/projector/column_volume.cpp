@@ -74,9 +74,11 @@ ColumnVolume::ColumnVolume(const ColumnLattice& lattice, std::vector<ColumnRange
                  "a volume of " + std::to_string(lattice.dims.x) + "x" + std::to_string(lattice.dims.y) + "x" +
                      std::to_string(lattice.dims.z) + " voxels needs",
                  "use larger voxels");
-    constexpr std::size_t kCacheLine = 64;
-    data_.reset(static_cast<float*>(std::aligned_alloc(kCacheLine, std::max(bytes, kCacheLine))));
+    constexpr std::size_t kCacheLine = 64, kAround = kReadable * sizeof(float);
+    data_.reset(static_cast<float*>(std::aligned_alloc(kCacheLine, kAround + bytes + kAround)));
     if (!data_) throw std::bad_alloc();
+    std::memset(data_.get(), 0, kAround);
+    std::memset(data_.get() + kReadable + storedVoxels(), 0, kAround);
     parallelFor(ranges_.size(),
                 [&](std::size_t t) { std::memset(block(t), 0, (offsets_[t + 1] - offsets_[t]) * sizeof(float)); });
 }

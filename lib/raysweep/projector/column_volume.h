@@ -16,6 +16,7 @@ namespace raysweep {
 constexpr int kBlockEdge = 8;                           ///< a block is 8x8 columns
 constexpr int kBlockColumns = kBlockEdge * kBlockEdge;  ///< column (x,y) of a block has the number x * 8 + y
 constexpr int kColumnChunk = 16;                        ///< columns begin and end at multiples of it, voxels
+constexpr int kReadable = 64;                           ///< floats around a volume's voxels that may be read
 
 /// Where voxels are. Voxel (x,y,z) counts along three axes of a grid's index space, of which `axes[2]` is that of the
 /// columns.
@@ -66,8 +67,9 @@ class ColumnVolume {
     std::size_t voxelsOf(std::size_t block) const { return offsets_[block + 1] - offsets_[block]; }
 
     /// The columns of a block, one after the other, each as long as the block's range.
-    float* block(std::size_t t) { return data_.get() + offsets_[t]; }
-    const float* block(std::size_t t) const { return data_.get() + offsets_[t]; }
+    /// Kernels may read up to kReadable floats before the first and behind the last.
+    float* block(std::size_t t) { return data_.get() + kReadable + offsets_[t]; }
+    const float* block(std::size_t t) const { return data_.get() + kReadable + offsets_[t]; }
 
     /// A block's columns begin at column (firstX, firstY).
     int firstX(std::size_t block) const { return int(block / std::size_t(blocksY_)) * kBlockEdge; }

@@ -93,6 +93,88 @@ bool isSteep(const JosephView& view) {
     return false;
 }
 
+/// A detector column that leans, and whether its rays and rows allow to take it as one: they run across the same
+/// slices, its rows ascend, and it leans less than it rises.
+struct RolledCandidate {
+    RolledColumn column;
+    bool fits = false;
+    bool forward = true;  ///< along the major axis
+};
+
+RolledCandidate rolledColumn(const JosephView& view, const Index3& dims, int number) {
+    const int last = view.height - 1;
+    const PixelRay ray = pixelRay(view, number, 0), middle = pixelRay(view, number, 0.5 * last);
+    const bool cone = view.beam == BeamShape::cone;
+    const Vec3 row = view.xray.row, perRow = cone ? row : Vec3(0), point = ray.point;
+    RolledCandidate candidate;
+    RolledColumn& column = candidate.column;
+    const int axis = std::abs(middle.direction.x) >= std::abs(middle.direction.y) ? 0 : 1, lateral = 1 - axis;
+    column.axis = axis;
+    const Vec3& d = ray.direction;
+    if (cone) {
+        column.c = d[axis];
+        column.d = row[axis];
+        column.a0 = point.z * d[axis] - point[axis] * d.z;
+        column.a1 = d.z;
+        column.b0 = point.z * row[axis] - point[axis] * row.z;
+        column.b1 = row.z;
+    } else {
+        const double slope = d.z / d[axis];
+        column.a0 = point.z - point[axis] * slope;
+        column.a1 = slope;
+        column.b0 = row.z - row[axis] * slope;
+    }
+    const Vec3 normal = d.cross(row);  // of the plane in which the rays lie
+    column.offset0 = normal.dot(point) / normal[lateral];
+    column.offset1 = -normal[axis] / normal[lateral];
+    column.lean = -normal.z / normal[lateral];
+    const Vec3 first = d * view.worldFromVoxel, step = perRow * view.worldFromVoxel;
+    const double scale = cone ? 1 : 1 / std::abs(d[axis]);
+    column.length0 = first.dot(first) * scale * scale;
+    column.length1 = 2 * first.dot(step);
+    column.length2 = step.dot(step);
+    column.slices = cone ? slicesAhead(point[axis], d[axis], dims[axis]) : IndexRange{0, dims[axis]};
+    candidate.forward = d[axis] > 0;
+
+    constexpr double kLeastMajor = 0.7, kMostLean = 1.2;
+    const auto isMajor = [&](double v) {
+        const Vec3 r = d + perRow * v;
+        return r[axis] * middle.direction[axis] > 0 && std::abs(r[axis]) >= kLeastMajor * std::abs(r[lateral]);
+    };
+    candidate.fits = isMajor(0) && isMajor(last) && std::abs(column.lean) <= kMostLean;  // false also if infinite
+    return candidate;
+}
+
+/// True if rows are nowhere in the volume so near to each other that a voxel has many of them beside it.
+bool arePitchesWide(const RolledColumn& column, int rowCount) {
+    constexpr float kLeast = 1.0f / 12;  // voxels
+    if (column.slices.first >= column.slices.last) return true;
+    for (const int slice : {column.slices.first, column.slices.last - 1})
+        for (const float row : {0.0f, float(rowCount - 1)})
+            if (!(column.rows(slice).pitch(row) > kLeast)) return false;
+    return true;
+}
+
+/// Makes the view a rolled one, if all its detector columns can be taken so.
+void addRolledColumns(JosephView& view, const Index3& dims) {
+    bool ahead = true;
+    std::vector<RolledColumn> columns;
+    std::vector<DetectorColumnRun> runs;
+    for (int number = 0; number < view.width; ++number) {
+        const auto [column, fits, forward] = rolledColumn(view, dims, number);
+        if (!fits || !arePitchesWide(column, view.height)) return;
+        if (runs.empty() || runs.back().axis != column.axis || forward != ahead)
+            runs.push_back({{number, number + 1}, column.axis});
+        else
+            runs.back().columns.last = number + 1;
+        ahead = forward;
+        columns.push_back(column);
+    }
+    view.kind = JosephView::Kind::rolled;
+    view.rolled = std::move(columns);
+    view.runs = std::move(runs);
+}
+
 void addColumns(JosephView& view, const Index3& dims) {
     view.columns.reserve(std::size_t(view.width));
     bool ahead = true;
@@ -128,7 +210,11 @@ JosephView josephView(const ProjectionGeometry& geometry, int number, const Colu
         view.xray.origin += view.xray.row * (view.height - 1);
         view.xray.row = -view.xray.row;
     }
-    if (!alongColumns(view.xray.row) || isSteep(view)) return view;
+    if (isSteep(view)) return view;
+    if (!alongColumns(view.xray.row)) {
+        addRolledColumns(view, lattice.dims);
+        return view;
+    }
     const bool level =
         view.beam == BeamShape::parallel && std::abs(view.xray.direction.z) <= kParallel * view.xray.direction.length();
     view.kind = level ? JosephView::Kind::level : JosephView::Kind::upright;
@@ -151,7 +237,8 @@ int columnAxisFor(const ProjectionGeometry& geometry, const openvdb::math::Trans
 RayLine rayLine(const JosephView& view, const Index3& dims, int column, int row) {
     RayLine line;
     const PixelRay ray = pixelRay(view, column, row);
-    line.axis = majorAxis(ray.direction);
+    // Near half a right angle a rolled detector column's rays follow the one in its middle.
+    line.axis = view.rolled.empty() ? majorAxis(ray.direction) : view.rolled[std::size_t(column)].axis;
     const double major = ray.direction[line.axis];
     const int others[2] = {line.axis == 0 ? 1 : 0, line.axis == 2 ? 1 : 2};
     line.length = float((ray.direction * view.worldFromVoxel / major).length());

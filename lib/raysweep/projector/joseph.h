@@ -72,6 +72,43 @@ struct DetectorColumn {
     float length(int row) const { return float(std::sqrt(length0 + row * (length1 + row * length2))); }
 };
 
+/// The rays of one detector column in a slice that they cross along a leaning line (rolled.h).
+struct LeaningRows {
+    float a, b, c, d;    ///< row v is at z = (a + b v) / (c + d v)
+    float offset, lean;  ///< at lateral = offset + lean z
+
+    float at(float row) const { return (a + b * row) / (c + d * row); }
+    float rowAt(float z) const { return (a - z * c) / (z * d - b); }
+    float lateral(float z) const { return offset + lean * z; }
+    /// From row v to the next, voxels.
+    float pitch(float row) const { return (b * c - a * d) / ((c + d * row) * (c + d * row)); }
+};
+
+/// The rays of one detector column in a view whose detector is rolled or tilted.
+struct RolledColumn {
+    int axis = 0;                           ///< the major axis: 0 or 1, as DetectorColumn's
+    double a0 = 0, a1 = 0, b0 = 0, b1 = 0;  ///< a = a0 + a1 s, b = b0 + b1 s in slice s
+    double c = 1, d = 0;
+    double offset0 = 0, offset1 = 0, lean = 0;     ///< offset = offset0 + offset1 s
+    double length0 = 0, length1 = 0, length2 = 0;  ///< of row v: sqrt(length0 + v (length1 + v length2)) / |c + d v|
+    IndexRange slices;                             ///< before the source
+
+    LeaningRows rows(int slice) const {
+        return {float(a0 + a1 * slice),
+                float(b0 + b1 * slice),
+                float(c),
+                float(d),
+                float(offset0 + offset1 * slice),
+                float(lean)};
+    }
+    double lateral(int slice, double z) const { return offset0 + offset1 * slice + lean * z; }
+    int voxelX(int slice, int across) const { return axis == 0 ? slice : across; }
+    int voxelY(int slice, int across) const { return axis == 0 ? across : slice; }
+    float length(int row) const {
+        return float(std::sqrt(length0 + row * (length1 + row * length2)) / std::abs(c + d * row));
+    }
+};
+
 /// Detector columns that share their major axis and the sense in which they cross its slices.
 struct DetectorColumnRun {
     IndexRange columns;
@@ -83,6 +120,7 @@ struct JosephView {
     enum class Kind {
         level,    ///< each ray stays at one z
         upright,  ///< each detector column lies in a plane that contains the volume's columns
+        rolled,   ///< each detector column leans against the volume's, by less than half a right angle or so
         oblique   ///< anything else: each ray is for itself
     };
     Kind kind = Kind::oblique;
@@ -91,7 +129,8 @@ struct JosephView {
     bool flipped = false;  ///< rows are counted from the last to the first, so that z grows with them
     XrayView xray;         ///< voxel coordinates, rows counted as above
     Matrix3 worldFromVoxel;
-    std::vector<DetectorColumn> columns;  ///< each detector column, unless oblique
+    std::vector<DetectorColumn> columns;  ///< each detector column, if level or upright
+    std::vector<RolledColumn> rolled;     ///< each detector column, if rolled
     std::vector<DetectorColumnRun> runs;
 };
 

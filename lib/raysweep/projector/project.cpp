@@ -4,6 +4,7 @@
 
 #include "raysweep/core/parallel.h"
 #include "raysweep/projector/oblique.h"
+#include "raysweep/projector/rolled.h"
 
 #include <hwy/cache_control.h>
 
@@ -183,6 +184,8 @@ void projectView(const ColumnVolume& volume, ViewRays& rays) {
                 std::fill(image->column(n), image->column(n) + view.height, 0.0f);
         if (view.kind == JosephView::Kind::oblique)
             projectOblique(volume, columns, rays);
+        else if (view.kind == JosephView::Kind::rolled)
+            projectRolled(volume, columns, rays);
         else
             HWY_DYNAMIC_DISPATCH(projectColumnsDispatched)(volume, columns, rays);
     });

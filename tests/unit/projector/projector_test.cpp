@@ -76,6 +76,19 @@ CircularOrbit smallOrbit(BeamShape beam) {
     return orbit;
 }
 
+/// `geometry` with each detector turned about its middle within its plane, degrees.
+ProjectionGeometry rolled(ProjectionGeometry geometry, double degrees) {
+    const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
+    for (XrayView& view : geometry.views) {
+        const double x = 0.5 * (geometry.width - 1), y = 0.5 * (geometry.height - 1);
+        const Vec3 middle = view.pixel(x, y), column = view.column, row = view.row;
+        view.column = column * c + row * (s * column.length() / row.length());
+        view.row = row * c - column * (s * row.length() / column.length());
+        view.origin = middle - view.column * x - view.row * y;
+    }
+    return geometry;
+}
+
 /// Parallel and cone, level and tilted, coarse and fine detectors, rays along every axis.
 std::vector<Scan> scans() {
     std::vector<Scan> all;
@@ -94,6 +107,13 @@ std::vector<Scan> scans() {
         ProjectionGeometry tilted = circularGeometry(orbit);
         for (XrayView& view : tilted.views) view.row += view.column * 0.2;
         all.push_back({name + " with a turned detector", tilted});
+        for (const double roll : {-0.6, 3.0, 37.0})
+            all.push_back({name + " rolled by " + std::to_string(roll), rolled(circularGeometry(orbit), roll)});
+        all.push_back({name + " with fine rows, rolled", rolled(circularGeometry(fine), 2)});
+        all.push_back({name + " with coarse rows, rolled", rolled(circularGeometry(coarse), 2)});
+        ProjectionGeometry inclined = circularGeometry(orbit);
+        for (XrayView& view : inclined.views) view.row += view.column.cross(view.row) * 0.1;
+        all.push_back({name + " with an inclined detector", inclined});
     }
     ProjectionGeometry rising = circularGeometry(smallOrbit(BeamShape::parallel));
     for (XrayView& view : rising.views) view.direction = (view.direction + Vec3(0, 0, 0.4)).normalized();
@@ -165,6 +185,19 @@ TEST(Projector, BackprojectionIsItsAdjointOnEveryAxis) {
     expectAdjoint(scans());
 }
 
+// Slightly rolled detectors, such as every calibrated C-arm has, are not left to rays one by one.
+TEST(Projector, RolledAndInclinedDetectorsAreTakenByWholeColumns) {
+    const ColumnLattice lattice = centredLattice(Index3(40, 45, 37));
+    std::vector<Scan> leaning;
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone})
+        for (const double roll : {-37.0, -3.0, 0.6, 2.0, 10.0, 37.0})
+            leaning.push_back({std::to_string(roll), rolled(circularGeometry(smallOrbit(beam)), roll)});
+    for (const Scan& scan : leaning)
+        for (int view = 0; view < int(scan.geometry.views.size()); ++view)
+            EXPECT_EQ(josephView(scan.geometry, view, lattice).kind, JosephView::Kind::rolled) << scan.name;
+    test::forEachInstructionSet([&] { expectAdjoint(leaning); });
+}
+
 // Vectors of 4, 8 and 16 numbers reach rows of other distances by table look-ups.
 TEST(Projector, AllInstructionSetsAreAdjointForRowsOfAnyDistance) {
     std::vector<Scan> pitches;
@@ -207,7 +240,8 @@ TEST(Projector, WeightsAreThoseOfAVolumeOfOnes) {
 }
 
 // Rays one by one are the plain twin of the kernels: they take the weights of joseph.h, voxel by voxel. Floats are
-// rounded in other places; found: 1.1e-6 and 9e-7.
+// rounded in other places; found: 1.1e-6 and 9e-7; where rows are placed by a quotient of floats, a few
+// hundred-thousandths of a voxel off, 5.0e-6 and 5.2e-6.
 TEST(Projector, KernelsAgreeWithRaysOneByOneOnAllInstructionSets) {
     const ColumnLattice lattice = centredLattice(Index3(40, 45, 37), 0.7);
     ColumnVolume volume = sparseVolume(lattice);
@@ -223,8 +257,11 @@ TEST(Projector, KernelsAgreeWithRaysOneByOneOnAllInstructionSets) {
             ViewRays rays;
             setView(rays, scan.geometry, 2, lattice);
             projectView(volume, rays);
-            EXPECT_LT(largestDifference(single.values, rays.values, width, height), 1.2e-6) << scan.name;
-            EXPECT_LT(largestDifference(single.weights, rays.weights, width, height), 9.9e-7) << scan.name;
+            const bool rolled = rays.view.kind == JosephView::Kind::rolled;
+            EXPECT_LT(largestDifference(single.values, rays.values, width, height), rolled ? 5.4e-6 : 1.2e-6)
+                << scan.name;
+            EXPECT_LT(largestDifference(single.weights, rays.weights, width, height), rolled ? 5.6e-6 : 9.9e-7)
+                << scan.name;
         });
     }
 }
