@@ -50,7 +50,7 @@ SWEEPS = ("dense_nearest", "dense_linear", "dense_surfaces", "dense_colour", "sm
           "smoke_in_large_box")
 
 
-CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone")
+CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone", "ct_rolled", "ct_fdk")
 
 
 CUBE4 = ("cube4_64", "cube4_64_one", "cube4_64_fixed", "cube4_128")
@@ -78,7 +78,7 @@ def sweep(context):
 
 
 def ct(context):
-    """Time of a SART update."""
+    """Time of a SART update, and of what filtered backprojection does with a view."""
     return counters(context, CT, 5)
 
 
