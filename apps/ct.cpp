@@ -1,5 +1,6 @@
 /// raysweep ct: a volume from its X-rays.
 #include "ct_options.h"
+#include "hints.h"
 #include "plot.h"
 
 #include "raysweep/core/error.h"
@@ -42,14 +43,16 @@ Scan read(CtArguments& a) {
     return readScan(a.scan, progress.callback());
 }
 
-void comment(const CtArguments& a, const Scan& scan) {
+void comment(const CtArguments& a, const Scan& scan, const CLI::App& command) {
+    const auto inOurWords = [&](const std::string& text) { return inWordsOf(command, InvalidArgument(text)); };
     if (const auto& axis = scan.found.axis)
         detail(a.common, "the axis falls onto column " + brief(axis->column, 5) + " (opposite views differ by " +
                              brief(100 * axis->mismatch) + " %)");
+    for (const std::string& assumed : scan.found.assumptions) message(a.common, "assumed: " + inOurWords(assumed));
     for (const ScanWarning& unlikely : scan.found.warnings)
-        warning(a.common, unlikely.message + (unlikely.kind == ScanWarning::Kind::deadPixels
-                                                  ? "; are --flat and --dark what they should be?"
-                                                  : ""));
+        warning(a.common, inOurWords(unlikely.message) + (unlikely.kind == ScanWarning::Kind::deadPixels
+                                                              ? "; are --flat and --dark what they should be?"
+                                                              : ""));
     if (scan.found.deadPixels > 0)
         detail(a.common, std::to_string(scan.found.deadPixels) + " dead pixels were left out");
 }
@@ -90,7 +93,11 @@ nlohmann::ordered_json describe(const Scan& scan) {
                                    {"height", scan.projections.height},
                                    {"pixels_dead", scan.found.deadPixels},
                                    {"values_not_measured", scan.found.rays.notMeasured},
-                                   {"values_saturated", scan.found.rays.saturated}};
+                                   {"values_implausible", scan.found.implausible},
+                                   {"values_saturated", scan.found.rays.saturated},
+                                   {"values_overexposed", scan.found.rays.overexposed},
+                                   {"pixels_bounded", scan.found.rays.saturated + scan.found.rays.overexposed},
+                                   {"assumed", scan.found.assumptions}};
     if (const auto& axis = scan.found.axis) {
         json["axis_column"] = axis->column;
         json["axis_mismatch"] = axis->mismatch;
@@ -160,7 +167,7 @@ void write(const CtArguments& a, const openvdb::FloatGrid::Ptr& volume) {
     writeVdb(a.output, {volume});
 }
 
-int run(CtArguments& a) {
+int run(CtArguments& a, const CLI::App& command) {
     const ThreadLimit limit = start(a.common);
     requireOutputs(a);
 
@@ -173,7 +180,8 @@ int run(CtArguments& a) {
         return kInterrupted;
     }
     const double readSeconds = timer.seconds();
-    comment(a, scan);
+    comment(a, scan, command);
+    if (!a.record.empty()) requireRecordable(scan);
     SartRecord record;
     if (!a.record.empty()) a.reconstruct.sart.record = &record;
     const Reconstruction result = [&] {
@@ -203,7 +211,7 @@ void addCt(CLI::App& app, int& exitCode) {
     addCtOptions(*command, *arguments);
     command->callback([arguments, command, &exitCode] {
         completeOptions(*arguments, *command);
-        exitCode = run(*arguments);
+        exitCode = run(*arguments, *command);
     });
 }
 

@@ -46,9 +46,19 @@ void addInputOptions(CLI::App& app, CtArguments& a) {
                    "views (default: the middle, auto for HDF5)")
         ->type_name("COLUMN|auto");
     app.option_defaults()->group("Measurement");
-    app.add_option("--flat", a.scan.flat, "Frames without object: then PROJ holds counts, not line integrals")
-        ->type_name("FILE");
-    app.add_option("--dark", a.scan.dark, "Frames without beam")->type_name("FILE");
+    app.add_option("--flat", a.scan.flat,
+                   "What is counted without object, of which PROJ's counts make line integrals: frames, a number, or "
+                   "auto, as at the detector's sides; none: PROJ holds line integrals (default: HDF5's own, else none)")
+        ->type_name("FILE|NUMBER|auto|none");
+    app.add_option("--dark", a.scan.dark, "What is counted without beam (default: HDF5's own, else 0)")
+        ->type_name("FILE|NUMBER|none");
+    app.add_flag("--unsigned-counts", a.scan.unsignedCounts,
+                 "Integers with a sign hold counts without one: those below 0 are meant 2^bits larger");
+    app.add_option("--saturated-above", a.scan.saturatedAbove,
+                   "Counts from which on the detector is over-exposed: line integrals are at most what they say "
+                   "(default: where the numbers end); of line integrals the same as --saturation");
+    app.add_flag("--sinograms", a.sinograms,
+                 "Rows of each picture are views, of one detector row (a single picture is taken so by itself)");
     app.add_option("--rows", a.rows,
                    "HDF5: these detector rows only, first to last; --center-row counts from the first of them")
         ->type_name("R0,R1");
@@ -120,6 +130,7 @@ void completeScan(CtArguments& a) {
         const std::vector<int> ends = parseWhole(a.rows, "--rows", 2, {0, 1 << 20}, "100,199");
         a.scan.rows = RowRange{ends[0], ends[1]};
     }
+    if (a.sinograms) a.scan.sinograms = Sinograms::always;
     a.scan.geometry = a.geometry.options;
 }
 

@@ -19,7 +19,7 @@ struct CtArguments {
     std::string axisColumn, rows;
     std::string output, method = "sart", order = "golden", support = "auto", window = "ram-lak";
     std::string size, center, initial, reference, plot, slices, record;
-    bool nonNegative = false, half = false;
+    bool nonNegative = false, half = false, sinograms = false;
 };
 
 void addCtOptions(CLI::App& command, CtArguments& arguments);

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace raysweep::apps {
 namespace {
 
 constexpr int kMostPixels = 1 << 16;
+const std::map<std::string, AngleUnit> kAngleUnits = {{"deg", AngleUnit::degrees}, {"rad", AngleUnit::radians}};
 
 /// W,H[,PITCH]
 void parseDetector(const std::string& text, ScanGeometryOptions& options) {
@@ -40,8 +42,8 @@ void requireOneWay(const ScanArguments& a) {
     if (ways == 0) usageError("--geometry", "is missing: give a file, --parallel, or --cone SID,SDD");
     if (ways > 1) usageError("--geometry", "say it one way only: --geometry, --parallel or --cone");
     if (!options.file.empty() && (options.views > 0 || options.arc || options.firstAngle != 0 || options.axisColumn ||
-                                  options.centerRow || !a.center.empty()))
-        usageError("--geometry", "says where the views are; leave out --views, --arc and the like");
+                                  !options.angles.empty() || options.centerRow || !a.center.empty()))
+        usageError("--geometry", "says where the views are; leave out --views, --arc, --angles and the like");
 }
 
 }  // namespace
@@ -65,6 +67,13 @@ void addScanOptions(CLI::App& app, ScanArguments& a) {
     app.add_option("--views", a.options.views, "Number of views")->check(CLI::Range(1, 1 << 20).description(""));
     app.add_option("--arc", a.options.arc, "Degrees that the views are spread over (default: 180 parallel, 360 cone)")
         ->type_name("DEG");
+    app.add_option("--angles", a.options.angles,
+                   "Text file with the angle of each view, in degrees unless they cover a turn in radians; instead of "
+                   "--arc")
+        ->type_name("FILE");
+    app.add_option("--angle-unit", a.angleUnit, "Unit of the angles in files, if they are not what they look like")
+        ->check(CLI::IsMember(kAngleUnits).description(""))
+        ->type_name("deg|rad");
     app.add_option("--first-angle", a.options.firstAngle, "Where the source is at first: degrees from +x towards +y")
         ->type_name("DEG")
         ->capture_default_str();
@@ -95,6 +104,8 @@ void completeScanOptions(ScanArguments& a) {
         a.options.sourceToAxis = distances[0];
         a.options.sourceToDetector = distances[1];
     }
+    if (a.options.arc && !a.options.angles.empty()) usageError("--arc", "leave it out if there are --angles");
+    if (!a.angleUnit.empty()) a.options.angleUnit = kAngleUnits.at(a.angleUnit);
     if (!a.detector.empty()) parseDetector(a.detector, a.options);
     if (!a.pitch.empty()) a.options.pitch = parsePitch(a.pitch);
     if (!a.center.empty()) a.options.center = parseVec3(a.center, "--orbit-center");
@@ -107,7 +118,7 @@ void completeScanOptions(ScanArguments& a) {
 
 void requireWhole(const ScanArguments& a) {
     if (!a.options.file.empty()) return;
-    if (a.options.views == 0) usageError("--views", "is missing: how many views?");
+    if (a.options.views == 0 && a.options.angles.empty()) usageError("--views", "is missing: how many views?");
     if (a.detector.empty()) usageError("--detector", "is missing: how many columns and rows?");
 }
 

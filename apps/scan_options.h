@@ -13,7 +13,7 @@ namespace raysweep::apps {
 /// What the user typed; empty text: not given.
 struct ScanArguments {
     ScanGeometryOptions options;  ///< whole after completeScanOptions
-    std::string cone, detector, pitch, center;
+    std::string cone, detector, pitch, center, angleUnit;
     bool parallel = false;
 };
 

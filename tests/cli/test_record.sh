@@ -56,7 +56,7 @@ refuse 1 "'folder.vdb'" light -o out/lit.vdb --record folder.json
 # CT.
 "$raysweep" generate box-with-holes --dims 32,32,16 --voxel-size 1 -o box.vdb
 "$raysweep" project box.vdb -o p.exr --parallel --views 9 --detector 48,20
-ct() { "$raysweep" ct p_00*.exr --parallel --size 32,32,16 --spacing 1 "$@"; }
+ct() { "$raysweep" ct p_00*.exr --parallel --arc 180 --pitch 1 --size 32,32,16 --spacing 1 "$@"; }
 expect_exit 0 ct -o a.vdb --iterations 2 --nonnegative
 expect_exit 0 ct -o vol.vdb --iterations 2 --nonnegative --record ct.json
 expect_silent

@@ -4,6 +4,7 @@
 #include "raysweep/core/require.h"
 
 #include <cmath>
+#include <string>
 
 namespace raysweep {
 namespace {
@@ -47,7 +48,8 @@ void CircularOrbit::validate() const {
         requireField(positive(sourceToDetector), "orbit sourceToDetector", sourceToDetector, "positive and finite");
     }
     for (const double angle : angles) requireField(std::isfinite(angle), "orbit angle", angle, "finite");
-    requireField(views > 0, "orbit views", views, "at least 1");
+    const long long count = angles.empty() ? views : static_cast<long long>(angles.size());
+    requireField(count > 0 && count <= kMostViews, "orbit views", count, "1 to " + std::to_string(kMostViews));
     requireField(std::isfinite(firstAngle), "orbit firstAngle", firstAngle, "finite");
     requireField(std::isfinite(arc) && arc != 0, "orbit arc", arc, "finite and not 0");
     requireField(width > 0, "orbit width", width, "at least 1");

@@ -37,6 +37,8 @@ struct ProjectionGeometry {
     void validate() const;
 };
 
+constexpr int kMostViews = 1 << 20;  ///< of a turn: what is more was hardly meant
+
 /// A turn about the world's z axis. At angle 0 the source is on the +x side, the detector on the -x side; the object
 /// stands still and the source turns towards +y. Detector columns count towards +y at angle 0 (as seen from the source:
 /// from left to right), rows towards -z (from top to bottom).
@@ -44,7 +46,7 @@ struct CircularOrbit {
     BeamShape beam = BeamShape::parallel;
     double sourceToAxis = 0;        ///< cone: distance of source and axis, world units, > 0 (SID)
     double sourceToDetector = 0;    ///< cone: distance of source and detector, world units, > 0 (SDD)
-    int views = 180;                ///< > 0
+    int views = 180;                ///< 1 to kMostViews
     double firstAngle = 0;          ///< degrees
     double arc = 180;               ///< degrees from the first view to where one after the last would be, not 0
     std::vector<double> angles;     ///< of each view, degrees; given: `views`, `firstAngle` and `arc` are not looked at

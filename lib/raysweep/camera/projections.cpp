@@ -2,6 +2,9 @@
 
 #include "raysweep/core/error.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace raysweep {
 
 std::string placeOf(const Projections& projections, std::size_t index) {
@@ -15,6 +18,19 @@ float largestValue(const Projections& projections) {
     for (const float value : projections.values)
         if (value > largest) largest = value;  // NaN is not
     return largest;
+}
+
+float usualLargest(const Projections& projections) {
+    constexpr double kBelow = 0.98;
+    std::size_t step = std::max<std::size_t>(1, projections.values.size() >> 20);
+    while (std::gcd(step, std::size_t(std::max(1, projections.width))) > 1) ++step;  // all columns have a say
+    std::vector<float> values;
+    for (std::size_t p = 0; p < projections.values.size(); p += step)
+        if (projections.values[p] > 0) values.push_back(projections.values[p]);  // NaN is not
+    if (values.empty()) return 0;
+    const auto at = values.begin() + std::ptrdiff_t(kBelow * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
 }
 
 void requireMatching(const ProjectionGeometry& geometry, const Projections& projections) {

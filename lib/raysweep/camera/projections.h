@@ -4,11 +4,19 @@
 #include "raysweep/camera/projection_geometry.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace raysweep {
+
+/// What a value says about its ray's line integral.
+enum class RayBound : std::uint8_t {
+    none,     ///< that it is as much
+    atLeast,  ///< that it is at least as much: the detector counted next to nothing
+    atMost    ///< that it is at most as much: the detector counted as much as it can
+};
 
 /// Line integrals of extinction (without unit), one for each ray of a ProjectionGeometry. NaN: not measured; such rays
 /// are left out.
@@ -17,11 +25,17 @@ struct Projections {
     std::vector<float> values;  ///< columns run fastest, then rows, then views
     /// Values at or above it say only that the line integral is at least that much: the detector saw nothing more.
     float saturation = std::numeric_limits<float>::infinity();
+    std::vector<RayBound> bounds;  ///< of values below `saturation`, one for each value; empty: none is a bound
 
     Projections() = default;
     /// All values 0.
     Projections(int width, int height, int views)
         : width(width), height(height), views(views), values(std::size_t(width) * height * views) {}
+
+    RayBound boundOf(std::size_t index) const {
+        if (values[index] >= saturation) return RayBound::atLeast;
+        return bounds.empty() ? RayBound::none : bounds[index];
+    }
 
     std::size_t pixelsPerView() const { return std::size_t(width) * height; }
     float* view(int n) { return values.data() + n * pixelsPerView(); }
@@ -48,6 +62,10 @@ std::string placeOf(const Projections& projections, std::size_t index);
 
 /// The largest value that was measured; 0 if none is above it.
 float largestValue(const Projections& projections);
+
+/// The value that 98 % of those above 0 are below, of about a million of them: the object's largest line integral, but
+/// for pixels that are hit or broken. 0 if there is none.
+float usualLargest(const Projections& projections);
 
 /// @throw InvalidArgument if views, columns or rows differ in number; it says both numbers.
 void requireMatching(const ProjectionGeometry& geometry, const Projections& projections);

@@ -50,10 +50,11 @@ openvdb::FloatGrid::Ptr filtered(const Scan& scan, const ReconstructOptions& opt
                                  Reconstruction& result) {
     const Timer timer;
     const RayCounts rays = countRays(scan.projections);
-    if (rays.saturated > 0)
-        result.warnings.push_back({Kind::saturation, std::to_string(rays.saturated) +
-                                                         " saturated values are taken as if they were measured; "
-                                                         "iterative methods know better"});
+    if (const std::size_t bounded = rays.saturated + rays.overexposed)
+        result.warnings.push_back({Kind::saturation, std::to_string(bounded) +
+                                                         " values that are saturated, at least or at most what they "
+                                                         "say, are taken as if they were measured; iterative methods "
+                                                         "know better"});
     const std::string amiss = scanWarning(scan.geometry, &scan.projections);
     if (!amiss.empty()) result.warnings.push_back({Kind::shortScan, amiss});
     const auto backproject = [&](const Projections& projections) {
@@ -69,6 +70,19 @@ openvdb::FloatGrid::Ptr filtered(const Scan& scan, const ReconstructOptions& opt
     }
     result.seconds.filtered = timer.seconds();
     return volume;
+}
+
+/// Floats hold places on the detector, so voxels may not be anywhere, nor of any size.
+void requirePlace(const ReconstructionGrid& grid, const ProjectionGeometry& geometry) {
+    constexpr double kMost = 1e9;  // pixels; or their part
+    const double pixel = geometry.views.front().column.length();
+    const double away = (grid.center - geometry.views.front().origin).length() + grid.resolution() * grid.spacing;
+    if (grid.spacing > pixel / kMost && grid.spacing < pixel * kMost && away < pixel * kMost * kMost) return;
+    InvalidArgument error("spacing " + brief(grid.spacing) +
+                          ": must be more than a billionth, and less than a billion " + "of the detector's pixels (" +
+                          brief(pixel) + "), and the grid where these can see it");
+    error.subject = "spacing";
+    throw error;
 }
 
 int viewsTogether(const ReconstructOptions& options, int views) {
@@ -143,6 +157,20 @@ std::optional<ReconstructionWarning> opaqueVoxelWarning(const openvdb::FloatGrid
                                "the input does not hold line integrals"};
 }
 
+/// Where numbers left the range of floats, as with voxels of 1e38.
+void requireFinite(const openvdb::FloatGrid& volume) {
+    const auto isFinite = [](const auto& leaf) {
+        for (auto value = leaf.cbeginValueOn(); value; ++value)
+            if (!std::isfinite(*value)) return false;
+        return true;
+    };
+    for (auto leaf = volume.tree().cbeginLeaf(); leaf; ++leaf)
+        if (!isFinite(*leaf))
+            throw InvalidArgument(
+                "the densities that would be reconstructed are NaN or infinite: line integrals, or the lengths of "
+                "geometry and grid, are too large or too small for floats");
+}
+
 void addWarnings(const ProjectionGeometry& geometry, Reconstruction& result) {
     for (const auto& warning :
          {voxelSizeWarning(geometry, result.grid.spacing), opaqueVoxelWarning(*result.volume, result.grid.spacing)})
@@ -185,6 +213,7 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
     Reconstruction result;
     if (isDirect(options)) fitOrbit(scan.geometry);  // says why it cannot be, before anything else
     result.grid = reconstructionGrid(scan.geometry, options.grid, frameOf(options));
+    requirePlace(result.grid, scan.geometry);
     result.viewsSeeing = requireSeen(scan.geometry, latticeOf(result.grid, scan.geometry));
     requireRoom(result.grid, options);
 
@@ -203,6 +232,7 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
     else if (stopped)
         result.termination = ReconstructionTermination::interrupted;
     result.seconds.total = timer.seconds();
+    requireFinite(*result.volume);
 
     result.rms = rmsOf(result, options.volumes.reference.get());
     addWarnings(scan.geometry, result);

@@ -84,7 +84,7 @@ double leastBytes(const ReconstructionGrid& grid, const ReconstructOptions& opti
 /// (fillUnmeasured, in a copy); iterative methods leave them out. The same bits for any number of threads.
 /// @throw InvalidArgument as ReconstructOptions::validate, ProjectionGeometry::validate, requireMatching and
 /// reconstructionGrid; if the detector misses the grid in every view, this machine has less memory than leastBytes, or
-/// a given volume has no active voxels; as sart and filteredBackprojection.
+/// a given volume has no active voxels, or densities leave the range of floats; as sart and filteredBackprojection.
 Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options = {},
                            const ProgressCallback& progress = {});
 

@@ -36,11 +36,17 @@ struct ResidualSums {
     }
 };
 
+/// A bound that the volume keeps. @param difference of what was measured and what the volume gives, p - A x
+bool isKept(RayBound bound, float difference) {
+    return (bound == RayBound::atLeast && difference <= 0) || (bound == RayBound::atMost && difference >= 0);
+}
+
 /// Turns A x and A 1 of a view into each ray's residual over its length, (p - A x) / A 1, and a weight of 1; both are 0
-/// for rays that are not used: not measured, outside the volume, or saturated and no longer below what was measured.
+/// for rays that are not used: not measured, outside the volume, or of a bound that is kept.
 ResidualSums residual(ViewRays& rays, const Projections& projections, int number, float leastLength) {
     const JosephView& view = rays.view;
     const float* measured = projections.view(number);
+    const std::size_t first = std::size_t(number) * projections.pixelsPerView();
     return orderedSum<ResidualSums>(
         std::size_t(view.width),
         [&](std::size_t u) {
@@ -48,12 +54,11 @@ ResidualSums residual(ViewRays& rays, const Projections& projections, int number
             float *values = rays.values.column(int(u)), *weights = rays.weights.column(int(u));
             for (int v = 0; v < view.height; ++v) {
                 const int row = view.flipped ? view.height - 1 - v : v;
-                const float p = measured[std::size_t(row) * view.width + u];
+                const std::size_t pixel = std::size_t(row) * std::size_t(view.width) + u;
+                const float p = measured[pixel];
                 const float difference = p - values[v];
-                // A saturated ray says "at least": it is left out as soon as that is so.
-                const bool satisfied = p >= projections.saturation && difference <= 0;
                 const bool used = weights[v] > leastLength && !std::isnan(p);
-                if (used && !satisfied) {
+                if (used && !isKept(projections.boundOf(first + pixel), difference)) {
                     sum += {double(difference) * difference, double(p) * p, 1};
                     values[v] = difference / weights[v];
                     weights[v] = 1;
@@ -77,7 +82,7 @@ void requireNoInfinity(const Projections& projections) {
 ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometry& geometry,
                          const ColumnLattice& lattice, const SartOptions& options) {
     if (options.support == Support::none) return ColumnVolume(lattice);
-    const float threshold = float(options.supportThreshold) * largestValue(projections);
+    const float threshold = float(options.supportThreshold) * usualLargest(projections);
     return ColumnVolume(lattice, visualHull(projections, geometry, lattice, threshold));
 }
 

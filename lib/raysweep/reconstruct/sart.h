@@ -6,7 +6,8 @@
 ///     x_j <- clamp(x_j + λ Σ_i a_ij (p_i - Σ_k a_ik x_k) / Σ_k a_ik  /  Σ_i a_ij)                             (2)
 ///
 /// or x <- x + λ Aᵀ((p - A x) / A 1) / Aᵀ 1 (docs/ct.md, eq. 2): p line integrals, a_ij Joseph's weight times length
-/// (joseph.h, eq. 1), λ `relaxation`. With all views in one update it is SIRT, with some OS-SART.
+/// (joseph.h, eq. 1), λ `relaxation`. Rays i whose p_i is a bound (RayBound) take part only while Σ_k a_ik x_k is
+/// beyond it. With all views in one update it is SIRT, with some OS-SART.
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
@@ -44,7 +45,8 @@ struct SartOptions {
                                 ///< volume by this part of what the pass changed; in [0,1), 0: not at all
     double stopResidual = 0;    ///< stop when the history has a residual below this; 0: never
     Support support = Support::automatic;
-    double supportThreshold = 0.001;  ///< pixels at most this part of the largest line integral see nothing; in [0,1)
+    double supportThreshold = 0.001;  ///< pixels at most this part of the largest line integral (usualLargest) see
+                                      ///< nothing; in [0,1)
     int historyEvery = 0;             ///< updates from one point of the history to the next; 0: a pass; >= 0
     double tolerance = 0;             ///< voxels this close to 0 are left out of the result, 1/world unit, >= 0
     SartRecord* record = nullptr;     ///< filled with what it takes to make the same updates again; null: not recorded
@@ -74,8 +76,8 @@ struct SartResult {
     int updates = 0;             ///< corrections made
     double seconds = 0;          ///< spent on updates
     std::size_t keptVoxels = 0;  ///< in the support, in blocks of 8x8x16
-    std::size_t raysUsed = 0;  ///< in the first pass: measured, meeting the support, and not saturated where the volume
-                               ///< already gave as much
+    std::size_t raysUsed = 0;    ///< in the first pass: measured, meeting the support, and not a bound that the volume
+                                 ///< already kept
 };
 
 /// What a reconstruction starts from and is compared with; both may be null. Their voxels

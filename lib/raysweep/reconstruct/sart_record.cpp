@@ -1,5 +1,6 @@
 #include "raysweep/reconstruct/sart_record.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/scan/geometry_json.h"
 #include "raysweep/volume/record_file.h"
@@ -74,7 +75,13 @@ openvdb::FloatGrid::Ptr gridOf(const Projections& projections) {
 
 }  // namespace
 
+void requireRecordable(const Scan& scan) {
+    if (!scan.projections.bounds.empty())
+        throw InvalidArgument("record: rays that say \"at most\", or \"at least\" by their counts, cannot be recorded");
+}
+
 void writeRecord(const std::string& path, const SartRecord& record, const Scan& scan) {
+    requireRecordable(scan);
     openvdb::GridCPtrVec fields;
     const auto add = [&](const openvdb::FloatGrid::Ptr& grid, const char* name) {
         if (!grid) return;

@@ -26,9 +26,12 @@ struct SartRecord {
     openvdb::FloatGrid::Ptr support;  ///< 1 where voxels are kept; null: everywhere
 };
 
+/// @throw InvalidArgument if rays are bounds beside `saturation` (Projections::bounds), which a record has no place for
+void requireRecordable(const Scan& scan);
+
 /// Writes the record of a reconstruction of `scan` and, under the same name ending in .vdb, its grids and the
 /// projections: both files or none. Memory: the projections once more.
-/// @throw IoError
+/// @throw IoError @throw InvalidArgument as requireRecordable
 void writeRecord(const std::string& path, const SartRecord& record, const Scan& scan);
 
 }  // namespace raysweep

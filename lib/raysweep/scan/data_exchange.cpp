@@ -1,194 +1,186 @@
-// The only place that sees HDF5.
 #include "raysweep/scan/data_exchange.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
-
-#include <hdf5.h>
+#include "raysweep/core/memory.h"
+#include "raysweep/scan/count_type.h"
+#include "raysweep/scan/hdf5_dataset.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-
-namespace fs = std::filesystem;
+#include <limits>
 
 namespace raysweep {
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& why) {
-    throw IoError("cannot read '" + path + "': " + why);
-}
-
-/// While it lives, HDF5 keeps its errors instead of printing them.
-class QuietHdf5 {
-  public:
-    QuietHdf5() {
-        H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
-        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    }
-    ~QuietHdf5() { H5Eset_auto2(H5E_DEFAULT, print_, data_); }
-    QuietHdf5(const QuietHdf5&) = delete;
-    QuietHdf5& operator=(const QuietHdf5&) = delete;
-
-    /// What the last call that failed says about the cause.
-    static std::string reason() {
-        std::string deepest;
-        const auto keep = [](unsigned, const H5E_error2_t* error, void* to) -> herr_t {
-            if (error->desc) *static_cast<std::string*>(to) = error->desc;
-            return 0;
-        };
-        H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, keep, &deepest);
-        return deepest.empty() ? "HDF5 gives no reason" : deepest;
-    }
-
-  private:
-    H5E_auto2_t print_ = nullptr;
-    void* data_ = nullptr;
-};
-
-/// An identifier of HDF5, closed by the function that belongs to it.
-class Handle {
-  public:
-    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-    ~Handle() {
-        if (id_ >= 0) close_(id_);
-    }
-    Handle(const Handle&) = delete;
-    Handle& operator=(const Handle&) = delete;
-    operator hid_t() const { return id_; }
-
-  private:
-    hid_t id_;
-    herr_t (*close_)(hid_t);
-};
-
-/// A dataset of numbers, open. `name` without the leading slash.
-class Dataset {
-  public:
-    Dataset(hid_t file, const std::string& path, const std::string& name)
-        : path_(path), name_(name), set_(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose) {
-        if (set_ < 0) failHere("it cannot be opened (" + QuietHdf5::reason() + ")");
-        const Handle type(H5Dget_type(set_), H5Tclose);
-        const H5T_class_t kind = type < 0 ? H5T_NO_CLASS : H5Tget_class(type);
-        if (kind != H5T_INTEGER && kind != H5T_FLOAT) failHere("it must hold numbers");
-        const Handle space(H5Dget_space(set_), H5Sclose);
-        const int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
-        if (rank < 1 || rank > 3) failHere("it has " + std::to_string(rank) + " dimensions");
-        sizes_.resize(std::size_t(rank));
-        H5Sget_simple_extent_dims(space, sizes_.data(), nullptr);
-        for (const hsize_t size : sizes_)
-            if (size < 1 || size > 0x7fffffff) failHere("its size is " + sizeText());
-    }
-
-    const std::vector<hsize_t>& sizes() const { return sizes_; }
-
-    /// HDF5 makes up zeros for what was never written, of a scan that was interrupted, for instance.
-    void requireWritten() const {
-        const Handle creation(H5Dget_create_plist(set_), H5Pclose);
-        const H5D_layout_t layout = H5Pget_layout(creation);
-        bool written = true;
-        if (layout == H5D_CHUNKED) {
-            std::vector<hsize_t> chunk(sizes_.size());
-            H5Pget_chunk(creation, int(chunk.size()), chunk.data());
-            hsize_t chunks = 1, stored = 0;
-            for (std::size_t axis = 0; axis < chunk.size(); ++axis)
-                chunks *= (sizes_[axis] + chunk[axis] - 1) / std::max<hsize_t>(chunk[axis], 1);
-            const Handle space(H5Dget_space(set_), H5Sclose);
-            written = H5Dget_num_chunks(set_, space, &stored) < 0 || stored >= chunks;
-        } else if (layout == H5D_CONTIGUOUS && H5Pget_external_count(creation) == 0) {
-            written = H5Dget_storage_size(set_) > 0;
-        }
-        if (!written) failHere("parts of it were never written; was the scan interrupted?");
-    }
-
-    /// "181 x 2 x 640"
-    std::string sizeText() const {
-        std::string text;
-        for (const hsize_t size : sizes_) text += (text.empty() ? "" : " x ") + std::to_string(size);
-        return text;
-    }
-
-    void requireRank(std::size_t rank, const char* what) const {
-        if (sizes_.size() != rank) failHere("its size is " + sizeText() + ", but it must be " + what);
-    }
-
-    /// Reads the box that starts at `start` and has `count` numbers along each dimension.
-    void read(const std::vector<hsize_t>& start, const std::vector<hsize_t>& count, hid_t type, void* to) const {
-        const Handle from(H5Dget_space(set_), H5Sclose);
-        const Handle memory(H5Screate_simple(int(count.size()), count.data(), nullptr), H5Sclose);
-        if (H5Sselect_hyperslab(from, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0 ||
-            H5Dread(set_, type, memory, from, H5P_DEFAULT, to) < 0)
-            failHere("it is damaged, or packed in a way that this build of HDF5 cannot unpack (" + QuietHdf5::reason() +
-                     ")");
-    }
-
-    [[noreturn]] void failHere(const std::string& why) const { fail(path_, "/" + name_ + ": " + why); }
-
-  private:
-    std::string path_, name_;
-    Handle set_;
-    std::vector<hsize_t> sizes_;
-};
-
-bool has(hid_t file, const std::string& name) {
-    return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0;
-}
-
 /// Numbers that HDF5 reads at once, so that reading can be stopped, and frames need not all be held: 64 MB.
-constexpr hsize_t kPiece = hsize_t(1) << 24;
+constexpr std::uint64_t kPiece = std::uint64_t(1) << 24;
 
-/// Calls `use(first frame, frames, numbers)` for all frames, some at a time, with `rows` of each.
+/// How a dataset holds frames of rows of columns: one frame after the other, or (sinograms) one row of all frames after
+/// the other. Two dimensions lack `missing` of the three: 0 means one frame, 1 frames of one row.
+struct Frames {
+    const Hdf5Dataset& set;
+    bool sinograms = false;
+    std::size_t missing = 0;
+
+    bool isWhole() const { return set.sizes().size() == 3; }
+    /// frames, rows, columns
+    Hdf5Extent sizes() const {
+        Hdf5Extent sizes = set.sizes();
+        if (!isWhole()) sizes.insert(sizes.begin() + std::ptrdiff_t(std::min(missing, sizes.size())), 1);
+        if (sinograms && isWhole()) std::swap(sizes[0], sizes[1]);
+        return sizes;
+    }
+};
+
+/// Calls `use(first frame, frames, numbers)` for all frames, some at a time, with `rows` of each; numbers are ordered
+/// by frame, row, column.
 template <class Use>
-void readFrames(const Dataset& set, const RowRange& rows, const Use& use) {
-    const hsize_t frames = set.sizes()[0], height = hsize_t(rows.last - rows.first + 1), width = set.sizes()[2];
-    const hsize_t step = std::max<hsize_t>(1, kPiece / (height * width));
-    std::vector<float> piece;
-    for (hsize_t first = 0; first < frames; first += step) {
-        const hsize_t count = std::min(step, frames - first);
+void readFrames(const Frames& from, const RowRange& rows, const Use& use) {
+    const Hdf5Extent sizes = from.sizes();
+    const std::uint64_t height = std::uint64_t(rows.last - rows.first + 1), width = sizes[2];
+    const std::uint64_t step = std::max<std::uint64_t>(1, kPiece / (height * width));
+    std::vector<float> piece, turned;
+    for (std::uint64_t first = 0; first < sizes[0]; first += step) {
+        const std::uint64_t count = std::min(step, sizes[0] - first);
+        Hdf5Extent start = {first, std::uint64_t(rows.first), 0}, box = {count, height, width};
+        const bool turn = from.sinograms && from.isWhole();
+        if (turn) std::swap(start[0], start[1]), std::swap(box[0], box[1]);
+        if (!from.isWhole()) {
+            start.erase(start.begin() + std::ptrdiff_t(from.missing));
+            box.erase(box.begin() + std::ptrdiff_t(from.missing));
+        }
         piece.resize(std::size_t(count * height * width));
-        set.read({first, hsize_t(rows.first), 0}, {count, height, width}, H5T_NATIVE_FLOAT, piece.data());
+        from.set.read(start, box, piece.data());
+        if (turn) {
+            turned.resize(piece.size());
+            for (std::uint64_t y = 0; y < height; ++y)
+                for (std::uint64_t n = 0; n < count; ++n)
+                    std::copy_n(piece.begin() + std::ptrdiff_t((y * count + n) * width), width,
+                                turned.begin() + std::ptrdiff_t((n * height + y) * width));
+            piece.swap(turned);
+        }
         if (!use(std::size_t(first), std::size_t(count), piece)) return;
     }
 }
 
-/// Mean over the frames of `set`, whose frames must be as large as the views of `data`.
-std::vector<float> meanFrame(const Dataset& set, const Dataset& data, const RowRange& rows, int& frames) {
-    set.requireRank(3, "frames x rows x columns");
-    if (set.sizes()[1] != data.sizes()[1] || set.sizes()[2] != data.sizes()[2])
-        set.failHere("its size is " + set.sizeText() + ", which does not fit that of /exchange/data, " +
-                     data.sizeText());
-    std::vector<double> sums;
-    readFrames(set, rows, [&](std::size_t, std::size_t count, const std::vector<float>& piece) {
-        const std::size_t pixels = piece.size() / count;
-        sums.resize(pixels, 0.0);
-        for (std::size_t p = 0; p < piece.size(); ++p) sums[p % pixels] += piece[p];
-        return true;
+/// As readFrames, with counts that are what was counted.
+template <class Use>
+void readCounts(const Frames& from, const RowRange& rows, const DataExchangeOptions& options, const std::string& what,
+                const Use& use) {
+    const SampleType type = from.set.type();
+    readFrames(from, rows, [&](std::size_t first, std::size_t count, std::vector<float>& piece) {
+        if (options.unsignedCounts) {
+            addWrapped(piece.data(), piece.size(), type);
+        } else {
+            float least = 0;
+            for (const float value : piece) least = std::min(least, value);
+            requireCounts(least, type, what);
+        }
+        return use(first, count, piece);
     });
-    frames = int(set.sizes()[0]);
+}
+
+/// The datasets of a scan, and how they are ordered.
+struct Layout {
+    const Hdf5File& file;
+    Hdf5Dataset data;
+    std::optional<Hdf5Dataset> white, dark, theta;
+    bool sinograms = false;
+
+    std::string pathOf(const char* name) const { return "'" + file.path() + "', /exchange/" + name; }
+    Frames views(bool sinograms) const { return {data, sinograms, 1}; }
+};
+
+/// How `set` holds frames of the rows and columns of `view`; nothing if it does not. @param sinograms the views are
+std::optional<Frames> framesOf(const Hdf5Dataset& set, const Hdf5Extent& view, bool sinograms) {
+    for (const Frames& frames : {Frames{set, false, 0}, Frames{set, false, 1}, Frames{set, sinograms, 0}}) {
+        const Hdf5Extent sizes = frames.sizes();
+        if (sizes.size() == 3 && sizes[1] == view[1] && sizes[2] == view[2]) return frames;
+    }
+    return {};
+}
+
+/// What the attribute says, else the only order that angles and frames fit, else views.
+bool areSinograms(const Layout& layout) {
+    if (layout.data.sizes().size() != 3) return false;
+    const std::string axes = layout.data.attribute("axes");
+    if (axes.rfind("theta", 0) == 0) return false;
+    if (axes.rfind("y:theta", 0) == 0) return true;
+    const auto isFine = [&](bool sinograms) {
+        const Hdf5Extent sizes = layout.views(sinograms).sizes();
+        if (layout.theta && layout.theta->sizes()[0] != sizes[0]) return false;
+        for (const auto* frames : {&layout.white, &layout.dark})
+            if (*frames && !framesOf(**frames, sizes, sinograms)) return false;
+        return true;
+    };
+    return !isFine(false) && isFine(true);
+}
+
+/// Mean over the frames of `set`, whose frames must be as large as the views of `data`: of the values that are finite.
+std::vector<float> meanFrame(const Layout& layout, const Hdf5Dataset& set, const char* name, const RowRange& rows,
+                             const DataExchangeOptions& options, int& frames) {
+    const auto from = framesOf(set, layout.views(layout.sinograms).sizes(), layout.sinograms);
+    if (!from)
+        set.fail("its size is " + set.sizeText() + ", which does not fit that of /exchange/data, " +
+                 layout.data.sizeText());
+    std::vector<double> sums;
+    std::vector<int> counted;
+    readCounts(*from, rows, options, layout.pathOf(name),
+               [&](std::size_t, std::size_t count, const std::vector<float>& piece) {
+                   const std::size_t pixels = piece.size() / count;
+                   sums.resize(pixels, 0.0);
+                   counted.resize(pixels, 0);
+                   for (std::size_t p = 0; p < piece.size(); ++p) {
+                       if (!std::isfinite(piece[p])) continue;
+                       sums[p % pixels] += piece[p];
+                       ++counted[p % pixels];
+                   }
+                   return true;
+               });
+    frames = int(from->sizes()[0]);
     std::vector<float> mean(sums.size());
-    std::transform(sums.begin(), sums.end(), mean.begin(), [&](double sum) { return float(sum / frames); });
+    for (std::size_t p = 0; p < mean.size(); ++p)
+        mean[p] = counted[p] > 0 ? float(sums[p] / counted[p]) : std::numeric_limits<float>::quiet_NaN();
     return mean;
 }
 
-std::vector<double> readAngles(const Dataset& set, const Dataset& data) {
-    set.requireRank(1, "one angle for each view");
-    if (set.sizes()[0] != data.sizes()[0])
-        set.failHere("it has " + set.sizeText() + " angles, but /exchange/data has " + std::to_string(data.sizes()[0]) +
-                     " views");
+std::vector<double> readAngles(const Hdf5Dataset& set, std::uint64_t views) {
+    if (set.sizes().size() != 1) set.fail("its size is " + set.sizeText() + ", but it must be one angle for each view");
+    if (set.sizes()[0] != views)
+        set.fail("it has " + set.sizeText() + " angles, but /exchange/data has " + std::to_string(views) +
+                 " views; give the right ones as `angles`, or an `arc`");
     std::vector<double> angles(std::size_t(set.sizes()[0]));
-    set.read({0}, {set.sizes()[0]}, H5T_NATIVE_DOUBLE, angles.data());
+    set.read({0}, set.sizes(), angles.data());
     for (const double angle : angles)
-        if (!std::isfinite(angle)) set.failHere("an angle is not finite");
+        if (!std::isfinite(angle)) set.fail("an angle is not finite; give the right ones as `angles`, or an `arc`");
     return angles;
 }
 
-RowRange requireRows(const std::optional<RowRange>& rows, const Dataset& data, const std::string& path) {
-    const int height = int(data.sizes()[1]);
+RowRange requireRows(const std::optional<RowRange>& rows, int height, const std::string& path) {
     const RowRange all{0, height - 1}, chosen = rows.value_or(all);
     if (chosen.first < 0 || chosen.last < chosen.first || chosen.last >= height)
         throw InvalidArgument("rows " + std::to_string(chosen.first) + " to " + std::to_string(chosen.last) +
                               " are not in '" + path + "': it has rows 0 to " + std::to_string(height - 1));
     return chosen;
+}
+
+/// @throw IoError saying what is there instead of the Data Exchange layout.
+void requireExchange(const Hdf5File& file) {
+    if (file.has("exchange")) return;
+    std::string there;
+    for (const std::string& name : file.names()) there += (there.empty() ? "" : ", ") + ("/" + name);
+    throw IoError("cannot read '" + file.path() + "': it has no group /exchange, so it is not of the Data Exchange " +
+                  "layout (/exchange/data, data_white, data_dark, theta), but has " +
+                  (there.empty() ? "nothing" : there) +
+                  "; convert it (dxchange reads the layouts of ALS, ESRF, Elettra and others, and nxtomo those of " +
+                  "NeXus), or give the projections as MetaImage or pictures");
+}
+
+std::optional<Hdf5Dataset> openIf(const Hdf5File& file, bool wanted, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+        if (wanted && file.has(name)) return std::optional<Hdf5Dataset>(std::in_place, file, name);
+    return {};
 }
 
 }  // namespace
@@ -198,37 +190,44 @@ bool isHdf5(const std::string& path) {
     return extension == ".h5" || extension == ".hdf5" || extension == ".hdf" || extension == ".nxs";
 }
 
-DataExchange readDataExchange(const std::string& path, const std::optional<RowRange>& rows,
+DataExchange readDataExchange(const std::string& path, const DataExchangeOptions& options,
                               const ProgressCallback& progress) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) fail(path, "there is no such file");
-    if (fs::is_directory(path, ignored)) fail(path, "it is a folder; give an HDF5 file");
-    const QuietHdf5 quiet;
-    const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-    if (file < 0) fail(path, "it is no HDF5 file, or damaged (" + QuietHdf5::reason() + ")");
-    if (!has(file, "exchange"))
-        fail(path,
-             "it has no group /exchange, so it is not of the Data Exchange layout (/exchange/data, data_white, "
-             "data_dark, theta)");
-    const auto open = [&](const std::string& name) {
-        if (!has(file, name)) fail(path, "there is no dataset /" + name);
-        return Dataset(file, path, name);
-    };
-    const Dataset data = open("exchange/data"), white = open("exchange/data_white"), dark = open("exchange/data_dark");
-    data.requireRank(3, "views x rows x columns");
-    for (const Dataset* set : {&data, &white, &dark}) set->requireWritten();
-    const RowRange range = requireRows(rows, data, path);
+    const Hdf5File file(path);
+    requireExchange(file);
+    if (!file.has("exchange/data")) throw IoError("cannot read '" + path + "': there is no dataset /exchange/data");
+    if (options.flat && !file.has("exchange/data_white") && !file.has("exchange/data_flat"))
+        throw IoError("cannot read '" + path + "': there is no dataset /exchange/data_white, what is counted without " +
+                      "object; say it as `flat`: a file, a number, auto (from the detector's sides), or none if the " +
+                      "values are line integrals");
+    Layout layout{file, Hdf5Dataset(file, "exchange/data"),
+                  openIf(file, options.flat, {"exchange/data_white", "exchange/data_flat"}),
+                  openIf(file, options.dark, {"exchange/data_dark"}), openIf(file, options.angles, {"exchange/theta"})};
+    if (layout.data.sizes().size() < 2)
+        layout.data.fail("its size is " + layout.data.sizeText() + ", but it must be views x rows x columns");
+    layout.sinograms = areSinograms(layout);
+    const Frames frames = layout.views(layout.sinograms);
+    const Hdf5Extent sizes = frames.sizes();
+    const RowRange range = requireRows(options.rows, int(sizes[1]), path);
+    requireBytes(double(sizes[0]) * (range.last - range.first + 1) * double(sizes[2]) * sizeof(float),
+                 "'" + path + "': its counts take", "read some of the `rows` only");
 
     DataExchange scan;
-    scan.flat = meanFrame(white, data, range, scan.flatFrames);
-    scan.dark = meanFrame(dark, data, range, scan.darkFrames);
-    if (has(file, "exchange/theta")) scan.angles = readAngles(open("exchange/theta"), data);
-    scan.counts = Projections(int(data.sizes()[2]), range.last - range.first + 1, int(data.sizes()[0]));
-    readFrames(data, range, [&](std::size_t first, std::size_t count, const std::vector<float>& piece) {
-        std::copy(piece.begin(), piece.end(), scan.counts.view(int(first)));
-        scan.complete = report(progress, "reading", double(first + count) / scan.counts.views);
-        return scan.complete;
-    });
+    scan.type = layout.data.type();
+    scan.sinograms = layout.sinograms;
+    scan.detectorRows = int(sizes[1]);
+    if (layout.white) scan.flat = meanFrame(layout, *layout.white, "data_white", range, options, scan.flatFrames);
+    if (layout.dark) scan.dark = meanFrame(layout, *layout.dark, "data_dark", range, options, scan.darkFrames);
+    if (layout.theta) {
+        scan.angles = readAngles(*layout.theta, sizes[0]);
+        scan.angleUnits = layout.theta->attribute("units");
+    }
+    scan.counts = Projections(int(sizes[2]), range.last - range.first + 1, int(sizes[0]));
+    readCounts(frames, range, options, layout.pathOf("data"),
+               [&](std::size_t first, std::size_t count, const std::vector<float>& piece) {
+                   std::copy(piece.begin(), piece.end(), scan.counts.view(int(first)));
+                   scan.complete = report(progress, "reading", double(first + count) / scan.counts.views);
+                   return scan.complete;
+               });
     return scan;
 }
 

@@ -35,22 +35,44 @@ std::vector<float> gains(const std::vector<float>& flat, const std::vector<float
     const auto middle = alive.begin() + std::ptrdiff_t(alive.size() / 2);
     std::nth_element(alive.begin(), middle, alive.end());
     for (float& g : gain)
-        if (g < deadGain * *middle) g = 0;
+        if (g < deadGain * *middle || g * deadGain * deadGain > *middle) g = 0;
     return gain;
 }
 
-/// In place: one view.
-void toLineIntegrals(float* view, const std::vector<float>& gain, const std::vector<float>& dark,
-                     double minimumTransmission, float saturation) {
+/// What the counts of one pixel say.
+struct Pixel {
+    float value = kUnmeasured;
+    RayBound bound = RayBound::none;
+    bool implausible = false;
+};
+
+Pixel pixelOf(double count, double gain, double dark, const LineIntegralOptions& options) {
+    if (gain == 0 || !std::isfinite(count)) return {};
+    const double transmission = (count - dark) / gain;
+    if (std::abs(transmission) > options.maximumTransmission) return {kUnmeasured, RayBound::none, true};
+    const double least = std::max(options.minimumTransmission, options.leastCount / gain);
+    if (!(transmission > least)) return {float(-std::log(least)), RayBound::atLeast};
+    return {float(-std::log(transmission)), count >= options.saturatedAbove ? RayBound::atMost : RayBound::none};
+}
+
+/// What was found in one view. In place. @param bounds of the view
+struct ViewFindings {
+    std::size_t implausible = 0;
+    bool bounded = false;  ///< some say no more than a bound that `saturation` does not
+};
+
+ViewFindings toLineIntegrals(float* view, RayBound* bounds, const std::vector<float>& gain,
+                             const std::vector<float>& dark, const LineIntegralOptions& options) {
+    const float saturation = float(-std::log(options.minimumTransmission));
+    ViewFindings found;
     for (std::size_t p = 0; p < gain.size(); ++p) {
-        if (gain[p] == 0 || !std::isfinite(view[p])) {
-            view[p] = kUnmeasured;
-            continue;
-        }
-        const double transmission = (double(view[p]) - dark[p]) / gain[p];
-        const float value = transmission > minimumTransmission ? float(-std::log(transmission)) : saturation;
-        view[p] = std::min(value, saturation);
+        const Pixel pixel = pixelOf(view[p], gain[p], dark[p], options);
+        view[p] = std::min(pixel.value, saturation);  // NaN stays
+        bounds[p] = pixel.bound;
+        found.implausible += pixel.implausible;
+        found.bounded = found.bounded || (pixel.bound != RayBound::none && view[p] < saturation);
     }
+    return found;
 }
 
 }  // namespace
@@ -58,6 +80,9 @@ void toLineIntegrals(float* view, const std::vector<float>& gain, const std::vec
 void LineIntegralOptions::validate() const {
     requireField(minimumTransmission > 0 && minimumTransmission < 1, "minimumTransmission", minimumTransmission,
                  "above 0 and below 1");
+    requireField(leastCount >= 0 && std::isfinite(leastCount), "leastCount", leastCount, "0 or more, and finite");
+    requireField(!std::isnan(saturatedAbove), "saturatedAbove", saturatedAbove, "a number");
+    requireField(maximumTransmission > 1, "maximumTransmission", maximumTransmission, "above 1");
     requireField(deadGain >= 0 && deadGain < 1, "deadGain", deadGain, "at least 0 and below 1");
 }
 
@@ -71,10 +96,19 @@ LineIntegrals lineIntegrals(Projections counts, const std::vector<float>& flat, 
     result.projections = std::move(counts);
     result.projections.saturation = float(-std::log(options.minimumTransmission));
     result.deadPixels = std::size_t(std::count(gain.begin(), gain.end(), 0.0f));
-    parallelFor(std::size_t(result.projections.views), [&](std::size_t n) {
-        toLineIntegrals(result.projections.view(int(n)), gain, dark, options.minimumTransmission,
-                        result.projections.saturation);
+    result.projections.bounds.resize(result.projections.values.size());
+    std::vector<ViewFindings> found(std::size_t(result.projections.views));
+    const std::size_t pixels = gain.size();
+    parallelFor(found.size(), [&](std::size_t n) {
+        found[n] = toLineIntegrals(result.projections.view(int(n)), result.projections.bounds.data() + n * pixels, gain,
+                                   dark, options);
     });
+    bool bounded = false;
+    for (const ViewFindings& view : found) {
+        result.implausible += view.implausible;
+        bounded = bounded || view.bounded;
+    }
+    if (!bounded) result.projections.bounds = {};
     return result;
 }
 

@@ -4,6 +4,7 @@
 #include "raysweep/camera/projections.h"
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace raysweep {
@@ -12,7 +13,16 @@ struct LineIntegralOptions {
     /// Transmission, in (0,1), below which counts say only that there was no more: the line integral is at least
     /// -log of it. The default, 4 counts of a 16 bit detector at 2/3 of its range, is about what dark frames vary by.
     double minimumTransmission = 1e-4;
-    /// A pixel whose flat minus dark is below this part of the detector's median, in [0,1), is dead.
+    /// Counts above the dark ones, >= 0, below which there may have been more or less by chance: 1 of integers, 0 of
+    /// numbers that tell finer. They say "at least" as well.
+    double leastCount = 0;
+    /// Counts from which on the detector counts no more: the line integral is at most what they say.
+    double saturatedAbove = std::numeric_limits<double>::infinity();
+    /// Transmission, > 1, above which counts are no measurement, but of a pixel that was hit or is broken; as much
+    /// below 0 likewise.
+    double maximumTransmission = 10;
+    /// A pixel whose flat minus dark is below this part of the detector's median, in [0,1), is dead; one with more than
+    /// the median over the square of it likewise.
     double deadGain = 0.05;
 
     /// @throw InvalidArgument naming field, value and bound.
@@ -20,12 +30,14 @@ struct LineIntegralOptions {
 };
 
 struct LineIntegrals {
-    Projections projections;     ///< `saturation` is -log(minimumTransmission)
-    std::size_t deadPixels = 0;  ///< of the detector; NaN in all views
+    Projections projections;      ///< `saturation` is -log(minimumTransmission)
+    std::size_t deadPixels = 0;   ///< of the detector; NaN in all views
+    std::size_t implausible = 0;  ///< values beyond `maximumTransmission`; NaN
 };
 
 /// -log((counts - dark) / (flat - dark)) for each ray, without unit. Counts at or below the dark ones, and all others
-/// below `minimumTransmission`, become saturated; counts that are not finite become NaN, "not measured".
+/// below `minimumTransmission` or `leastCount`, say "at least": they become what these are. Counts that are not finite,
+/// or beyond `maximumTransmission`, become NaN, "not measured".
 /// @param flat,dark counts without object and without beam: one of each for each pixel, columns fastest.
 /// @throw InvalidArgument if sizes do not fit, or no pixel is alive (flat and dark frames swapped, for instance).
 LineIntegrals lineIntegrals(Projections counts, const std::vector<float>& flat, const std::vector<float>& dark,

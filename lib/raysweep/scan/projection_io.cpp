@@ -7,6 +7,7 @@
 #include "raysweep/formats/itk_volume.h"
 #include "raysweep/formats/volume_files.h"
 #include "raysweep/image/image_io.h"
+#include "raysweep/scan/count_type.h"
 #include "raysweep/scan/data_exchange.h"
 
 #include <algorithm>
@@ -52,20 +53,10 @@ Projections converted(const StoredVolume& stored) {
     return projections;
 }
 
-/// Infinities, where they are allowed, become NaN.
-void checkFinite(Projections& projections, const std::string& path, bool repair) {
-    const auto isBad = [](float value) { return !std::isfinite(value); };
-    if (repair) {
-        std::replace_if(projections.values.begin(), projections.values.end(), isBad,
-                        std::numeric_limits<float>::quiet_NaN());
-        return;
-    }
-    const ValuesFound bad = findValues(projections, isBad);
-    if (bad.count == 0) return;
-    throw InvalidArgument("'" + path + "' has " + std::to_string(bad.count) + (bad.count > 1 ? " values" : " value") +
-                              " that " + (bad.count > 1 ? "are" : "is") + " NaN or infinite, the first in " +
-                              placeOf(projections, bad.first) + " (all counted from 0)",
-                          Remedy::leaveOutRays);
+double leastOf(const Projections& projections) {
+    double least = 0;
+    for (const float value : projections.values) least = std::min(least, double(value));
+    return least;
 }
 
 /// Spacing and origin along the detector's axes, where these are the world's x and y.
@@ -91,6 +82,21 @@ void requireComplete(const Projections& projections) {
 
 }  // namespace
 
+void requireMeasured(Projections& projections, const std::string& path, bool repair) {
+    const auto isBad = [](float value) { return !std::isfinite(value); };
+    if (repair) {
+        std::replace_if(projections.values.begin(), projections.values.end(), isBad,
+                        std::numeric_limits<float>::quiet_NaN());
+        return;
+    }
+    const ValuesFound bad = findValues(projections, isBad);
+    if (bad.count == 0) return;
+    throw InvalidArgument("'" + path + "' has " + std::to_string(bad.count) + (bad.count > 1 ? " values" : " value") +
+                              " that " + (bad.count > 1 ? "are" : "is") + " NaN or infinite, the first in " +
+                              placeOf(projections, bad.first) + " (all counted from 0)",
+                          Remedy::leaveOutRays);
+}
+
 ProjectionFile readProjections(const std::vector<std::string>& files, const ProjectionReadOptions& options,
                                const ProgressCallback& progress) {
     if (files.empty()) throw InvalidArgument(std::string("no files to read projections from; give ") + kReadable);
@@ -103,9 +109,34 @@ ProjectionFile readProjections(const std::vector<std::string>& files, const Proj
     file.format = stored.format;
     file.complete = stored.complete;
     if (!file.complete) return file;
+    file.type = stored.type;
     file.projections = converted(stored);
-    checkFinite(file.projections, files.front(), options.repair);
+    if (options.unsignedCounts)
+        addWrapped(file.projections.values.data(), file.projections.values.size(), file.type);
+    else
+        requireCounts(leastOf(file.projections), file.type, "'" + files.front() + "'");
+    requireMeasured(file.projections, files.front(), options.repair);
     if (stored.format != "pictures") keepPlace(stored, file);
+    return file;
+}
+
+ProjectionFile fromSinograms(const ProjectionFile& sinograms) {
+    const Projections& from = sinograms.projections;
+    ProjectionFile file;
+    file.format = sinograms.format;
+    file.type = sinograms.type;
+    file.complete = sinograms.complete;
+    file.projections = Projections(from.width, from.views, from.height);
+    const auto width = std::size_t(from.width);
+    for (int view = 0; view < from.height; ++view)
+        for (int row = 0; row < from.views; ++row)
+            std::copy_n(from.view(row) + std::size_t(view) * width, width,
+                        file.projections.view(view) + std::size_t(row) * width);
+    if (sinograms.spacing) {
+        const double pitch = (*sinograms.spacing)[0];
+        file.spacing = DetectorPair{pitch, std::abs(pitch)};
+        file.origin = DetectorPair{(*sinograms.origin)[0], -0.5 * std::abs(pitch) * (from.views - 1)};
+    }
     return file;
 }
 

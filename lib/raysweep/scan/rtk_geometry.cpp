@@ -65,6 +65,11 @@ std::vector<double> numbersIn(const std::string& text, const std::string& where)
     }
 }
 
+/// Once in each view, and once for all of them: of two, nobody knows which is meant.
+void requireOnce(const pugi::xml_node& element, const std::string& where) {
+    if (element.next_sibling(element.name())) throw IoError(where + ": <" + element.name() + "> is given twice");
+}
+
 /// Takes the value of `element` into `parameters`.
 void take(const pugi::xml_node& element, const std::string& where, Parameters& parameters) {
     if (std::strncmp(element.name(), "Collimation", 11) == 0) return;  // jaws: where the beam ends, not where rays run
@@ -189,13 +194,16 @@ ProjectionGeometry geometryFromRtk(const std::string& text, const RtkDetector& g
     for (const pugi::xml_node& element : root.children()) {
         if (element.type() != pugi::node_element) continue;
         if (std::strcmp(element.name(), "Projection") != 0) {
+            requireOnce(element, "the values of all views");
             take(element, "the values of all views", parameters);
             continue;
         }
         const std::string where = "view " + std::to_string(geometry.views.size());
         for (const pugi::xml_node& child : element.children())
-            if (child.type() == pugi::node_element && std::strcmp(child.name(), "Matrix") != 0)
-                take(child, where, parameters);
+            if (child.type() == pugi::node_element) {
+                requireOnce(child, where);
+                if (std::strcmp(child.name(), "Matrix") != 0) take(child, where, parameters);
+            }
         const bool parallel = parameters.sourceToDetector == 0;
         const BeamShape beam = parallel ? BeamShape::parallel : BeamShape::cone;
         if (!geometry.views.empty() && beam != geometry.beam)

@@ -4,103 +4,49 @@
 #include "raysweep/core/require.h"
 #include "raysweep/scan/line_integrals.h"
 #include "raysweep/scan/ring_filter.h"
+#include "raysweep/scan/scan_reader.h"
+#include "raysweep/scan/value_checks.h"
 
 #include <cmath>
 
 namespace raysweep {
 namespace {
 
-/// What was read, before anything is done to it.
-struct Measured {
-    Projections values;
-    MeasuredScan scan;
-    std::vector<float> flat, dark;  ///< empty: `values` are line integrals already
-    std::string format;
-    bool complete = true;
-};
-
-/// The mean of all frames, for each pixel: of those in which it was measured, NaN without any.
-std::vector<float> meanFrame(const Projections& frames) {
-    std::vector<float> mean(frames.pixelsPerView());
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-        double sum = 0;
-        int measured = 0;
-        for (int n = 0; n < frames.views; ++n) {
-            const float value = frames.view(n)[i];
-            if (std::isnan(value)) continue;
-            sum += value;
-            ++measured;
-        }
-        mean[i] = float(sum / measured);
+/// Line integrals of what was read, without what can be no measurement.
+Projections integralsOf(const ScanOptions& options, MeasuredFiles& measured, Scan& scan) {
+    if (measured.flat.empty()) {
+        Projections projections = std::move(measured.values);
+        scan.found.implausible = markImplausible(projections);
+        if (!isFloatingPoint(measured.type))
+            measured.assumptions.push_back("the file's " + nameOf(measured.type) +
+                                           " numbers are line integrals as they are; if they are counts, say with " +
+                                           "`flat` what is counted without object");
+        for (const std::string& doubt : doubtsAbout(projections))
+            scan.found.warnings.push_back({ScanWarning::Kind::values, doubt});
+        return projections;
     }
-    return mean;
-}
-
-/// The mean of the frames in a file, which must be as large as the projections.
-std::vector<float> readFrame(const std::string& path, const char* name, const ProjectionReadOptions& options,
-                             const Projections& projections) {
-    const Projections frames = readProjections({path}, options).projections;
-    const auto sizeOf = [](const Projections& p) { return std::to_string(p.width) + "x" + std::to_string(p.height); };
-    if (frames.width != projections.width || frames.height != projections.height)
-        throw InvalidArgument("the " + std::string(name) + " frame has " + sizeOf(frames) + " pixels ('" + path +
-                              "'), but the projections have " + sizeOf(projections) +
-                              "; give frames that the same detector made");
-    return meanFrame(frames);
-}
-
-Measured readHdf5(const ScanOptions& options, const ProgressCallback& progress) {
-    DataExchange file = readDataExchange(options.projections.front(), options.rows, progress);
-    Measured measured;
-    measured.values = std::move(file.counts);
-    measured.flat = std::move(file.flat);
-    measured.dark = std::move(file.dark);
-    measured.scan.angles = std::move(file.angles);
-    measured.format = "Data Exchange";
-    measured.complete = file.complete;
-    return measured;
-}
-
-Measured readFiles(const ScanOptions& options, const ProgressCallback& progress) {
-    const ProjectionReadOptions readOptions{options.repair};
-    ProjectionFile file = readProjections(options.projections, readOptions, progress);
-    Measured measured;
-    measured.values = std::move(file.projections);
-    measured.scan.spacing = file.spacing;
-    measured.scan.origin = file.origin;
-    measured.format = file.format;
-    measured.complete = file.complete;
-    if (file.complete && !options.flat.empty()) {
-        measured.flat = readFrame(options.flat, "flat", readOptions, measured.values);
-        measured.dark = options.dark.empty() ? std::vector<float>(measured.flat.size())
-                                             : readFrame(options.dark, "dark", readOptions, measured.values);
-    }
-    return measured;
-}
-
-Measured readMeasured(const ScanOptions& options, const ProgressCallback& progress) {
-    Measured measured =
-        isHdf5(options.projections.front()) ? readHdf5(options, progress) : readFiles(options, progress);
-    measured.scan.width = measured.values.width;
-    measured.scan.height = measured.values.height;
-    measured.scan.views = measured.values.views;
-    return measured;
+    LineIntegralOptions how;
+    if (!isFloatingPoint(measured.type)) how.leastCount = 1;
+    if (const auto limit = options.saturatedAbove ? options.saturatedAbove
+                                                  : exposureLimit(measured.values, measured.type, measured.flat))
+        how.saturatedAbove = *limit;
+    LineIntegrals integrals = lineIntegrals(std::move(measured.values), measured.flat, measured.dark, how);
+    scan.found.deadPixels = integrals.deadPixels;
+    scan.found.implausible = integrals.implausible;
+    for (const std::string& doubt : doubtsAbout(integrals.projections))
+        scan.found.warnings.push_back({ScanWarning::Kind::values, doubt});
+    return std::move(integrals.projections);
 }
 
 /// Counts become line integrals; pixels that say nothing are left out.
-void prepare(const ScanOptions& options, Measured& measured, Scan& scan) {
-    Projections& projections = scan.projections;
-    if (measured.flat.empty()) {
-        projections = std::move(measured.values);
-    } else {
-        LineIntegrals integrals = lineIntegrals(std::move(measured.values), measured.flat, measured.dark);
-        projections = std::move(integrals.projections);
-        scan.found.deadPixels = integrals.deadPixels;
-    }
+void prepare(const ScanOptions& options, MeasuredFiles& measured, Scan& scan) {
+    Projections& projections = scan.projections = integralsOf(options, measured, scan);
     if (options.scale != 1) {
         for (float& value : projections.values) value *= float(options.scale);
         projections.saturation *= float(options.scale);
     }
     if (options.saturation) projections.saturation = float(*options.saturation);
+    if (options.saturatedAbove && measured.flat.empty()) projections.saturation = float(*options.saturatedAbove);
     if (options.findDeadPixels) scan.found.deadPixels += markDeadPixels(projections);
     if (options.ringWindow > 0) filterRings(projections, RingFilterOptions{options.ringWindow});
     scan.found.rays = countRays(projections);
@@ -144,11 +90,32 @@ std::optional<ScanWarning> deadPixelWarning(const Scan& scan) {
                        std::to_string(dead) + " of " + std::to_string(all) + " pixels are dead"};
 }
 
+std::optional<ScanWarning> implausibleWarning(const Scan& scan) {
+    const std::size_t found = scan.found.implausible;
+    if (found == 0) return {};
+    return ScanWarning{ScanWarning::Kind::implausible,
+                       std::to_string(found) + (found > 1 ? " values" : " value") +
+                           " can be no measurement, so much larger than the others, and " + (found > 1 ? "are" : "is") +
+                           " left out as not measured"};
+}
+
+/// What nothing says of where the rays ran.
+void addAssumptions(const ScanOptions& options, const MeasuredScan& measured, Scan& scan) {
+    const ScanGeometryOptions& geometry = options.geometry;
+    scan.found.anglesAssumed = geometry.file.empty() && !geometry.arc && measured.angles.empty();
+    scan.found.pitchAssumed = geometry.file.empty() && !geometry.pitch && !measured.spacing;
+    if (scan.found.anglesAssumed)
+        scan.found.assumptions.push_back(
+            "the " + std::to_string(scan.projections.views) + " views are evenly spread over " +
+            (geometry.beam == BeamShape::parallel ? "180" : "360") + " degrees; `arc` or `angles` say otherwise");
+    if (scan.found.pitchAssumed) scan.found.assumptions.push_back("pixels are 1 apart; `pitch` says otherwise");
+}
+
 void addWarnings(const ScanOptions& options, const MeasuredScan& measured, Scan& scan) {
     const bool ownPitch = !options.geometry.file.empty() && !options.geometry.pitch;
-    for (const auto& warning :
-         {detectorBeforeAxis(options.geometry),
-          ownPitch ? pitchWarning(measured, scan.geometry) : std::optional<ScanWarning>(), deadPixelWarning(scan)})
+    for (const auto& warning : {detectorBeforeAxis(options.geometry),
+                                ownPitch ? pitchWarning(measured, scan.geometry) : std::optional<ScanWarning>(),
+                                deadPixelWarning(scan), implausibleWarning(scan)})
         if (warning) scan.found.warnings.push_back(*warning);
 }
 
@@ -162,9 +129,13 @@ void ScanOptions::validate() const {
     if (projections.empty()) throw InvalidArgument("projections: give at least one file");
     const bool hdf5 = isHdf5(projections.front());
     if (hdf5 && projections.size() > 1) throw InvalidArgument("projections: give one HDF5 file");
-    if (hdf5 && !(flat.empty() && dark.empty()))
-        throw InvalidArgument(std::string(flat.empty() ? "dark" : "flat") + ": HDF5 files hold their own frames");
-    if (!dark.empty() && flat.empty()) throw InvalidArgument("dark: needs `flat` as well");
+    if (!dark.empty() && flatSource(*this) == FrameSource::none) throw InvalidArgument("dark: needs `flat` as well");
+    if (darkSource(*this) == FrameSource::sides) throw InvalidArgument("dark: give a file, or a number");
+    if (saturatedAbove) requirePositive(*saturatedAbove, "saturatedAbove");
+    if (saturatedAbove && saturation && flatSource(*this) == FrameSource::none)
+        throw InvalidArgument("saturatedAbove: of line integrals it is `saturation`; give one of the two");
+    if (hdf5 && sinograms == Sinograms::always)
+        throw InvalidArgument("sinograms: HDF5 files say themselves how they are ordered");
     if (rows && !hdf5) throw InvalidArgument("rows: only of HDF5 files");
     if (rows && geometry.file.empty() && geometry.beam == BeamShape::cone && !geometry.centerRow)
         throw InvalidArgument("rows: of a cone need `centerRow` as well, counted from the first of them");
@@ -188,16 +159,18 @@ std::optional<ScanWarning> detectorBeforeAxis(const ScanGeometryOptions& options
 
 RayCounts countRays(const Projections& projections) {
     RayCounts counts;
-    for (const float value : projections.values) {
-        counts.notMeasured += std::isnan(value);
-        counts.saturated += value >= projections.saturation;
+    for (std::size_t p = 0; p < projections.values.size(); ++p) {
+        counts.notMeasured += std::isnan(projections.values[p]);
+        const RayBound bound = projections.boundOf(p);
+        counts.saturated += bound == RayBound::atLeast;
+        counts.overexposed += bound == RayBound::atMost;
     }
     return counts;
 }
 
 Scan readScan(const ScanOptions& options, const ProgressCallback& progress) {
     options.validate();
-    Measured measured = readMeasured(options, progress);
+    MeasuredFiles measured = readMeasuredFiles(options, progress);
     Scan scan;
     scan.complete = measured.complete;
     if (!scan.complete) return scan;
@@ -210,8 +183,8 @@ Scan readScan(const ScanOptions& options, const ProgressCallback& progress) {
     }
     scan.geometry = scanGeometry(geometry, measured.scan);
     requireMatching(scan.geometry, scan.projections);
-    scan.found.anglesAssumed = geometry.file.empty() && !geometry.arc && measured.scan.angles.empty();
-    scan.found.pitchAssumed = geometry.file.empty() && !geometry.pitch && !measured.scan.spacing;
+    scan.found.assumptions = std::move(measured.assumptions);
+    addAssumptions(options, measured.scan, scan);
     addWarnings(options, measured.scan, scan);
     return scan;
 }

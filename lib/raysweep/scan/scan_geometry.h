@@ -3,6 +3,7 @@
 
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/scan/projection_io.h"
+#include "raysweep/scan/view_angles.h"
 
 #include <optional>
 #include <string>
@@ -25,9 +26,11 @@ struct ScanGeometryOptions {
     double sourceToDetector = 0;  ///< cone: distance of source and detector, world units, > 0 (SDD)
     int views = 0;                ///< >= 0; 0: as many as projections
     double firstAngle = 0;        ///< degrees from +x towards +y; added to the angles that projections bring
-    /// Degrees from the first view to where one after the last would be, not 0. Default: the angles that projections
+    /// Degrees from the first view to where one after the last would be, not 0. Default: the angles that files
     /// bring, else 180 (parallel) or 360 (cone).
     std::optional<double> arc;
+    std::string angles;                  ///< file with the angle of each view (readAngleFile); then without `arc`
+    std::optional<AngleUnit> angleUnit;  ///< of the angles that files say; default: see viewAngles
     std::optional<double> axisColumn, centerRow;  ///< see CircularOrbit; default: the middle
     std::optional<Vec3> center;                   ///< point on the axis that the central ray passes; default: 0,0,0
     int width = 0, height = 0;                    ///< of the detector, pixels, >= 0; 0: as the projections

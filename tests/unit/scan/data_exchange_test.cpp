@@ -36,6 +36,12 @@ class DataExchangeFile : public ::testing::Test {
         EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "HDF5 prints";
     }
 
+    DataExchange rowsOf(const RowRange& rows) {
+        DataExchangeOptions options;
+        options.rows = rows;
+        return readDataExchange(path, options);
+    }
+
     TemporaryFolder folder;
     const std::string path = folder / "scan.h5";
 };
@@ -63,23 +69,180 @@ TEST_F(DataExchangeFile, CountsAnglesAndMeanFramesComeOut) {
 
 TEST_F(DataExchangeFile, ChosenRowsAreThoseOfTheWhole) {
     write();
-    const DataExchange all = readDataExchange(path), some = readDataExchange(path, RowRange{1, 2});
+    const DataExchange all = readDataExchange(path), some = rowsOf(RowRange{1, 2});
     EXPECT_EQ(some.counts.height, 2);
     ASSERT_EQ(some.flat.size(), 10u);
     for (int n = 0; n < 4; ++n)
         for (std::size_t p = 0; p < 10; ++p) EXPECT_EQ(some.counts.view(n)[p], all.counts.view(n)[5 + p]);
     for (std::size_t p = 0; p < 10; ++p) EXPECT_EQ(some.dark[p], all.dark[5 + p]);
     for (const RowRange rows : {RowRange{-1, 1}, RowRange{2, 1}, RowRange{0, 3}})
-        expectError<InvalidArgument>([&] { readDataExchange(path, rows); }, "it has rows 0 to 2");
+        expectError<InvalidArgument>([&] { rowsOf(rows); }, "it has rows 0 to 2");
 }
 
-TEST_F(DataExchangeFile, AnglesMayBeMissingButNothingElse) {
+TEST_F(DataExchangeFile, AnglesAndDarkFramesMayBeMissing) {
     write("theta");
     EXPECT_TRUE(readDataExchange(path).angles.empty());
-    for (const std::string name : {"data", "data_white", "data_dark"}) {
+    write("data_dark");
+    EXPECT_TRUE(readDataExchange(path).dark.empty());
+    for (const std::string name : {"data", "data_white"}) {
         write(name);
         expectRefused("there is no dataset /exchange/" + name);
     }
+    DataExchangeOptions withoutFlat;
+    withoutFlat.flat = false;
+    EXPECT_TRUE(readDataExchange(path, withoutFlat).flat.empty()) << "frames come from elsewhere";
+}
+
+TEST_F(DataExchangeFile, SinogramOrderIsKnownByTheAttributeOrBySizes) {
+    // Counts of view n, row y, column x: 100 n + 10 y + x.
+    const auto stored = [&](bool sinograms, hsize_t views, hsize_t rows, hsize_t columns) {
+        std::vector<int> counts;
+        for (hsize_t a = 0; a < (sinograms ? rows : views); ++a)
+            for (hsize_t b = 0; b < (sinograms ? views : rows); ++b)
+                for (hsize_t x = 0; x < columns; ++x)
+                    counts.push_back(int(100 * (sinograms ? b : a) + 10 * (sinograms ? a : b) + x));
+        return counts;
+    };
+    const auto expectInPlace = [&](const DataExchange& scan) {
+        for (int n = 0; n < scan.counts.views; ++n)
+            for (int y = 0; y < scan.counts.height; ++y)
+                for (int x = 0; x < scan.counts.width; ++x)
+                    EXPECT_EQ(scan.counts.view(n)[y * scan.counts.width + x], float(100 * n + 10 * y + x));
+        for (std::size_t y = 0; y < std::size_t(scan.counts.height); ++y)
+            EXPECT_EQ(scan.flat[y * std::size_t(scan.counts.width)], 50 + 10 * float(y)) << "mean of two frames";
+    };
+    for (const bool framesToo : {true, false}) {  // frames ordered likewise, or one after the other
+        Hdf5File file(path);
+        const std::vector<int> data = stored(true, 4, 3, 5), frames = stored(framesToo, 2, 3, 5);
+        file.add("data", {3, 4, 5}, H5T_STD_U16LE, H5T_NATIVE_INT, data.data());
+        file.add("data_white", framesToo ? std::vector<hsize_t>{3, 2, 5} : std::vector<hsize_t>{2, 3, 5}, H5T_STD_U16LE,
+                 H5T_NATIVE_INT, frames.data());
+        file.addAngles({0, 45, 90, 135});
+        file.close();
+        const DataExchange scan = readDataExchange(path);
+        EXPECT_TRUE(scan.sinograms);
+        ASSERT_EQ(scan.counts.views, 4);
+        ASSERT_EQ(scan.counts.height, 3);
+        expectInPlace(scan);
+        const DataExchange some = rowsOf(RowRange{1, 2});
+        EXPECT_EQ(some.counts.view(3)[5], 321.0f - 1) << "view 3, row 2, column 0";
+        EXPECT_EQ(some.flat[0], 60);
+    }
+    {  // as many rows as views: the attribute says it
+        Hdf5File file(path);
+        const std::vector<int> data = stored(true, 4, 4, 5), frames = stored(false, 2, 4, 5);
+        file.add("data", {4, 4, 5}, H5T_STD_U16LE, H5T_NATIVE_INT, data.data());
+        file.addText("data", "axes", "y:theta:x");
+        file.add("data_white", {2, 4, 5}, H5T_STD_U16LE, H5T_NATIVE_INT, frames.data());
+    }
+    EXPECT_TRUE(readDataExchange(path).sinograms);
+    expectInPlace(readDataExchange(path));
+}
+
+TEST_F(DataExchangeFile, OneRowMayLackADimensionAndFlatFramesHaveAnotherName) {
+    {
+        Hdf5File file(path);
+        file.addCounts("data", {4, 5}, 0);
+        file.addCounts("data_flat", {2, 5}, 100);
+        file.addCounts("data_dark", {1, 5}, 7);
+        file.addAngles({0, 1, 2, 3});
+        file.addText("theta", "units", "rad");
+    }
+    const DataExchange scan = readDataExchange(path);
+    EXPECT_EQ(scan.counts.views, 4);
+    EXPECT_EQ(scan.counts.height, 1);
+    EXPECT_EQ(scan.counts.view(2)[3], 13.0f);
+    EXPECT_EQ(scan.flat, (std::vector<float>{102.5f, 103.5f, 104.5f, 105.5f, 106.5f}));
+    EXPECT_EQ(scan.flatFrames, 2);
+    EXPECT_EQ(scan.dark[0], 7.0f);
+    EXPECT_EQ(scan.angleUnits, "rad");
+}
+
+TEST_F(DataExchangeFile, FramesThatAreBrokenInPartsAreMeantWithoutThem) {
+    {
+        Hdf5File file(path);
+        file.addCounts("data", {4, 1, 3}, 0);
+        const std::vector<float> frames = {10, std::nanf(""), INFINITY, 20, 30, std::nanf("")};
+        file.add("data_white", {2, 1, 3}, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, frames.data());
+    }
+    const DataExchange scan = readDataExchange(path);
+    EXPECT_EQ(scan.flat[0], 15.0f);
+    EXPECT_EQ(scan.flat[1], 30.0f);
+    EXPECT_TRUE(std::isnan(scan.flat[2]));
+}
+
+TEST_F(DataExchangeFile, CountsOfAWrongNumberTypeAreRefusedOrAsMeant) {
+    const auto writeAs = [&](const char* wrapped) {
+        const std::vector<int> counts = {100, 40100, 200, 30000, 500, 65000}, dark(3, 100);
+        Hdf5File file(path);
+        std::vector<std::int16_t> low(counts.begin(), counts.end());  // 40100 becomes -25436
+        for (const std::string name : {"data", "data_white"})
+            if (name == wrapped)
+                file.add(name, {2, 1, 3}, H5T_STD_I16LE, H5T_NATIVE_INT16, low.data());
+            else
+                file.add(name, {2, 1, 3}, H5T_STD_U16LE, H5T_NATIVE_INT, counts.data());
+    };
+    for (const std::string name : {"data", "data_white"}) {
+        writeAs(name.c_str());
+        expectError<InvalidArgument>([&] { readDataExchange(path); },
+                                     "/exchange/" + name + ": counts are as low as -25436");
+        DataExchangeOptions meant;
+        meant.unsignedCounts = true;
+        EXPECT_EQ(readDataExchange(path, meant).counts.view(0)[1], 40100.0f);
+        EXPECT_EQ(readDataExchange(path, meant).flat[2], 0.5f * (200 + 65000));
+    }
+}
+
+TEST_F(DataExchangeFile, NumbersOfOddBitsAreRefusedBeforeTheyAreRead) {
+    const auto writeAs = [&](hid_t type) {
+        Hdf5File file(path);
+        std::vector<std::int64_t> bytes(64);
+        file.add("data", {2, 2, 2}, type, type, bytes.data());
+        file.addCounts("data_white", {2, 2, 2}, 0);
+    };
+    const hid_t odd = H5Tcopy(H5T_STD_I32LE), shifted = H5Tcopy(H5T_STD_U16LE), half = H5Tcopy(H5T_IEEE_F32LE);
+    H5Tset_size(odd, 3);
+    H5Tset_precision(shifted, 12);
+    H5Tset_fields(half, 15, 10, 5, 0, 10);
+    H5Tset_size(half, 2);
+    H5Tset_ebias(half, 15);
+    for (const hid_t type : {odd, shifted}) {
+        writeAs(type);
+        expectRefused("/exchange/data: its numbers are of a type that is not known");
+    }
+    writeAs(half);
+    EXPECT_EQ(readDataExchange(path).counts.values[0], 0.0f);
+    for (const hid_t type : {odd, shifted, half}) H5Tclose(type);
+}
+
+TEST_F(DataExchangeFile, ValuesInOtherFilesMustBeThere) {
+    const std::string part = folder / "part.h5";
+    const auto writeVirtual = [&](hsize_t mapped) {
+        const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+        const hid_t group = H5Gcreate2(file, "exchange", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        const hsize_t sizes[] = {4, 3, 5}, some[] = {mapped, 3, 5}, start[] = {0, 0, 0};
+        const hid_t space = H5Screate_simple(3, sizes, nullptr), source = H5Screate_simple(3, sizes, nullptr);
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, some, nullptr);
+        H5Sselect_hyperslab(source, H5S_SELECT_SET, start, nullptr, some, nullptr);
+        for (const char* name : {"data", "data_white"}) {
+            const hid_t how = H5Pcreate(H5P_DATASET_CREATE);
+            H5Pset_virtual(how, space, "part.h5", "exchange/data", source);
+            H5Dclose(H5Dcreate2(group, name, H5T_STD_U16LE, space, H5P_DEFAULT, how, H5P_DEFAULT));
+            H5Pclose(how);
+        }
+        H5Sclose(source);
+        H5Sclose(space);
+        H5Gclose(group);
+        H5Fclose(file);
+    };
+    Hdf5File(part).addCounts("data", {4, 3, 5}, 1000);
+    writeVirtual(4);
+    EXPECT_EQ(readDataExchange(path).counts.values[59], 1059.0f);
+    writeVirtual(3);
+    expectRefused("which leave parts of it empty");
+    writeVirtual(4);
+    std::filesystem::remove(part);
+    expectRefused("/exchange/data: it is put together of others, and 'exchange/data' in '" + part);
 }
 
 TEST_F(DataExchangeFile, SizesThatDoNotFitAreRefusedByDataset) {
@@ -96,7 +259,13 @@ TEST_F(DataExchangeFile, SizesThatDoNotFitAreRefusedByDataset) {
         file.addCounts("data_white", {2, 3, 5}, 0);
         file.addCounts("data_dark", {2, 3, 5}, 0);
     }
-    expectRefused("/exchange/data: its size is 12 x 5, but it must be views x rows x columns");
+    expectRefused("/exchange/data_white: its size is 2 x 3 x 5, which does not fit that of /exchange/data, 12 x 5");
+    {
+        Hdf5File file(path);
+        file.addCounts("data", {12}, 0);
+        file.addCounts("data_white", {2, 3, 5}, 0);
+    }
+    expectRefused("/exchange/data: its size is 12, but it must be views x rows x columns");
     write("theta");
     {
         Hdf5File file(path);

@@ -98,7 +98,13 @@ TEST(GeometryFile, CircularMeansTheSameAsCircularGeometry) {
             geometryFromJson(start + "parallel" + detector +
                              R"("views": 0, "arc": 180, "pixelWidth": 1, "pixelHeight": 1}})");
         },
-        "views 0: must be at least 1");
+        "views 0: must be 1 to 1048576");
+    expectError<InvalidArgument>(
+        [&] {
+            geometryFromJson(start + "parallel" + detector +
+                             R"("views": 2147483647, "arc": 180, "pixelWidth": 1, "pixelHeight": 1}})");
+        },
+        "views 2147483647: must be 1 to 1048576");  // not as many as fit into memory
 }
 
 TEST(GeometryFile, JsonThatIsNotAsDescribedIsRefusedByKey) {

@@ -17,9 +17,13 @@ class Hdf5File {
     explicit Hdf5File(const std::string& path)
         : file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)),
           group_(H5Gcreate2(file_, "exchange", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)) {}
-    ~Hdf5File() {
+    ~Hdf5File() { close(); }
+    /// What is written is there.
+    void close() {
+        if (file_ < 0) return;
         H5Gclose(group_);
         H5Fclose(file_);
+        file_ = -1;
     }
 
     void add(const std::string& name, const std::vector<hsize_t>& sizes, hid_t stored, hid_t given, const void* data) {
@@ -36,6 +40,18 @@ class Hdf5File {
     }
     void addAngles(const std::vector<double>& angles) {
         add("theta", {angles.size()}, H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, angles.data());
+    }
+    /// An attribute of a dataset.
+    void addText(const std::string& dataset, const std::string& name, const std::string& text) {
+        const hid_t set = H5Dopen2(group_, dataset.c_str(), H5P_DEFAULT), type = H5Tcopy(H5T_C_S1);
+        H5Tset_size(type, text.size());
+        const hid_t space = H5Screate(H5S_SCALAR);
+        const hid_t attribute = H5Acreate2(set, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT);
+        EXPECT_GE(H5Awrite(attribute, type, text.data()), 0);
+        H5Aclose(attribute);
+        H5Sclose(space);
+        H5Tclose(type);
+        H5Dclose(set);
     }
 
   private:

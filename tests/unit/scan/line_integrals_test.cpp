@@ -74,6 +74,31 @@ TEST(LineIntegrals, TooFewCountsSayAtLeast) {
     EXPECT_FLOAT_EQ(result.projections.values[4], float(-std::log(0.1)));
 }
 
+TEST(LineIntegrals, CountsSayAtLeastOrAtMostWhereTheyEnd) {
+    Projections counts(7, 1, 1);
+    counts.values = {100, 101, 102, 4000, 4095, 12000, -12000};  // dark 100, flat 1100
+    LineIntegralOptions options;
+    options.leastCount = 1;
+    options.saturatedAbove = 4095;
+    const LineIntegrals result =
+        lineIntegrals(counts, std::vector<float>(7, 1100), std::vector<float>(7, 100), options);
+    const Projections& p = result.projections;
+    for (const std::size_t few : {0, 1}) {
+        EXPECT_FLOAT_EQ(p.values[few], float(std::log(1000.0))) << "not as much as minimumTransmission would be";
+        EXPECT_EQ(p.boundOf(few), RayBound::atLeast);
+    }
+    EXPECT_EQ(p.boundOf(2), RayBound::none);
+    EXPECT_EQ(p.boundOf(3), RayBound::none);
+    EXPECT_EQ(p.boundOf(4), RayBound::atMost);
+    EXPECT_FLOAT_EQ(p.values[4], float(-std::log(3.995)));
+    EXPECT_TRUE(std::isnan(p.values[5]) && std::isnan(p.values[6])) << "ten times the beam, and as much below nothing";
+    EXPECT_EQ(result.implausible, 2u);
+    const RayCounts rays = countRays(p);
+    EXPECT_EQ(rays.saturated, 2u);
+    EXPECT_EQ(rays.overexposed, 1u);
+    EXPECT_EQ(rays.notMeasured, 2u);
+}
+
 TEST(LineIntegrals, DeadPixelsAndBrokenCountsAreNotMeasured) {
     Projections counts(6, 1, 2);
     counts.values.assign(12, 5000);
@@ -99,6 +124,12 @@ TEST(LineIntegrals, FramesThatDoNotFitAreRefused) {
     LineIntegralOptions options;
     options.minimumTransmission = 0;
     expectError<InvalidArgument>([&] { lineIntegrals(counts, bright, black, options); }, "minimumTransmission 0");
+    options = {};
+    options.leastCount = -1;
+    expectError<InvalidArgument>([&] { lineIntegrals(counts, bright, black, options); }, "leastCount -1");
+    options = {};
+    options.maximumTransmission = 1;
+    expectError<InvalidArgument>([&] { lineIntegrals(counts, bright, black, options); }, "maximumTransmission 1");
     options = {};
     options.deadGain = 1;
     expectError<InvalidArgument>([&] { lineIntegrals(counts, bright, black, options); }, "deadGain 1");

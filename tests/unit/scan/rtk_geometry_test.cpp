@@ -202,6 +202,10 @@ TEST(RtkGeometry, FilesThatAreNotRtksOrNotWholeAreRefused) {
     refuses(xml("<Projection><GantryAngle>ninety</GantryAngle></Projection>"), "view 0, <GantryAngle>: 'ninety'");
     refuses(xml("<Projection><GantryAngle></GantryAngle></Projection>"), "<GantryAngle> must hold one number");
     refuses(xml("<Projection><GantryAngle>nan</GantryAngle></Projection>"), "is no finite number");
+    refuses(xml("<Projection><GantryAngle>1</GantryAngle><GantryAngle>2</GantryAngle></Projection>"),
+            "view 0: <GantryAngle> is given twice");
+    refuses(xml(tag("SourceToDetectorDistance", 9) + tag("SourceToDetectorDistance", 8) + good),
+            "<SourceToDetectorDistance> is given twice");
     refuses(xml("<Projection><Matrix>1 2 3</Matrix></Projection>"), "<Matrix> must hold 3 x 4 numbers");
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 
 #include "support/temporary_folder.h"
@@ -76,6 +77,11 @@ class ScanFiles : public ::testing::Test {
 bool hasWarning(const Scan& scan, ScanWarning::Kind kind) {
     return std::any_of(scan.found.warnings.begin(), scan.found.warnings.end(),
                        [&](const ScanWarning& warning) { return warning.kind == kind; });
+}
+
+bool assumes(const Scan& scan, const std::string& text) {
+    return std::any_of(scan.found.assumptions.begin(), scan.found.assumptions.end(),
+                       [&](const std::string& assumed) { return assumed.find(text) != std::string::npos; });
 }
 
 }  // namespace
@@ -249,15 +255,164 @@ TEST_F(ScanFiles, Hdf5HasItsOwnFramesAnglesAndAxis) {
     EXPECT_LT(turned.length(), 1e-6) << "angles are stored as floats";
     options.axisSearch = AxisSearch::never;
     EXPECT_FALSE(readScan(options).found.axis);
-    options.flat = "flat.exr";
-    expectRefused(options, "flat: HDF5 files hold their own");
-    options.flat.clear();
-    options.dark = "dark.exr";
-    expectRefused(options, "dark: HDF5 files hold their own");
-    options.dark.clear();
+    options.sinograms = Sinograms::always;
+    expectRefused(options, "sinograms: HDF5 files say themselves");
+    options.sinograms = Sinograms::automatic;
     options.rows = RowRange{0, 1};
     options.geometry.beam = BeamShape::cone;
     expectRefused(options, "rows: of a cone need `centerRow` as well");
+}
+
+TEST_F(ScanFiles, WhatHdf5LacksIsGivenBesideItOrAssumedAloud) {
+    const Projections body = sinogram(lopsidedBody(), 192, 95.5, anglesFrom(0, 3, 60));
+    const auto writeScan = [&](bool withFlat, bool radians) {
+        Hdf5File file(folder / "scan.h5");
+        std::vector<float> counts, flat(192, 1000);
+        for (const float value : body.values) counts.push_back(1000 * std::exp(-value));
+        file.add("data", {60, 1, 192}, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, counts.data());
+        if (withFlat) file.add("data_white", {1, 1, 192}, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, flat.data());
+        std::vector<double> angles = anglesFrom(0, 3, 60);
+        for (double& angle : angles) angle *= radians ? kPi / 180 : 1;
+        file.addAngles(angles);
+    };
+    ScanOptions options;
+    options.projections = {folder / "scan.h5"};
+    options.geometry.axisColumn = 95.5;
+    writeScan(true, true);
+    const Scan scan = readScan(options);
+    EXPECT_LT(rmsDifference(scan.projections, body), 1e-6) << "dark 0, floats";
+    EXPECT_TRUE(assumes(scan, "without beam 0 is counted"));
+    EXPECT_TRUE(assumes(scan, "taken for radians"));
+    EXPECT_TRUE(assumes(scan, "pixels are 1 apart"));
+    const Vec3 turned =
+        scan.geometry.views[30].direction - circularGeometry(parallelOrbit(192, 1, 60)).views[30].direction;
+    EXPECT_LT(turned.length(), 1e-6) << "angles are stored as floats";
+    options.geometry.angleUnit = AngleUnit::degrees;
+    EXPECT_NEAR(readScan(options).geometry.views[30].direction.y, -std::sin(0.5 * kPi * kPi / 180), 1e-6);
+    options.geometry.angleUnit = {};
+
+    writeScan(false, false);
+    expectError<IoError>([&] { readScan(options); }, "say it as `flat`: a file, a number, auto");
+    Projections frame(192, 1, 1);
+    std::fill(frame.values.begin(), frame.values.end(), 1000.f);
+    for (const std::string& flat : {write("frame", frame), std::string("1000"), std::string("auto")}) {
+        options.flat = flat;
+        EXPECT_LT(rmsDifference(readScan(options).projections, body), 1e-6) << flat;
+    }
+    EXPECT_TRUE(assumes(readScan(options), "without object 1000 is counted"));
+    options.flat = "none";
+    EXPECT_FLOAT_EQ(readScan(options).projections.values[0], 1000);
+    EXPECT_TRUE(hasWarning(readScan(options), ScanWarning::Kind::values)) << "they look like counts";
+    options.dark = "3";
+    expectRefused(options, "dark: needs `flat` as well");
+}
+
+TEST_F(ScanFiles, Hdf5CountsThatAreNotNumbersAreAnErrorOrNotMeasured) {
+    {
+        Hdf5File file(folder / "scan.h5");
+        std::vector<float> counts(6 * 8, 500), flat(8, 1000);
+        counts[9] = kNaN;
+        counts[20] = std::numeric_limits<float>::infinity();
+        counts[30] = 3e38f;
+        file.add("data", {6, 1, 8}, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, counts.data());
+        file.add("data_white", {1, 1, 8}, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, flat.data());
+    }
+    ScanOptions options;
+    options.projections = {folder / "scan.h5"};
+    options.geometry.axisColumn = 3.5;
+    expectRefused(options, "has 2 values that are NaN or infinite, the first in view 1, row 0, column 1");
+    options.repair = true;
+    const Scan scan = readScan(options);
+    EXPECT_EQ(scan.found.rays.notMeasured, 3u);
+    EXPECT_EQ(scan.found.implausible, 1u);
+    EXPECT_TRUE(hasWarning(scan, ScanWarning::Kind::implausible));
+}
+
+TEST_F(ScanFiles, AnglesMayComeFromAFile) {
+    ScanOptions options = plain();
+    const std::vector<double> angles = {0, 10, 30, 60, 100, 150};
+    std::ofstream(folder / "angles.txt") << "0 10 30\n60, 100, 150\n";
+    options.geometry.angles = folder / "angles.txt";
+    const Scan scan = readScan(options);
+    CircularOrbit orbit = parallelOrbit(kWidth, kHeight, kViews);
+    orbit.angles = angles;
+    expectSameRays(scan.geometry, circularGeometry(orbit));
+    EXPECT_FALSE(scan.found.anglesAssumed);
+    options.geometry.arc = 180;
+    expectRefused(options, "arc: leave it out if there are `angles`");
+    options.geometry.arc = {};
+    std::ofstream(folder / "few.txt") << "0 10 30\n60\n";
+    options.geometry.angles = folder / "few.txt";
+    expectRefused(options, "few.txt' has 4 angles, but the projections have 6 views");
+    ScanGeometryOptions alone;  // without projections
+    alone.angles = folder / "angles.txt";
+    alone.width = kWidth;
+    alone.height = kHeight;
+    expectSameRays(scanGeometry(alone), circularGeometry(orbit));
+}
+
+TEST_F(ScanFiles, RowsOfASinogramAreViews) {
+    const Projections body = sinogram(lopsidedBody(), 192, 95.5, anglesFrom(0, 3, 60));
+    Projections picture = body;  // one view of 192 x 60 pixels
+    picture.height = 60;
+    picture.views = 1;
+    ScanOptions options;
+    options.projections = {write("picture", picture)};
+    const Scan scan = readScan(options);
+    expectSameValues(scan.projections, body);
+    EXPECT_EQ(scan.projections.views, 60);
+    expectSameRays(scan.geometry, circularGeometry(parallelOrbit(192, 1, 60)));
+    EXPECT_TRUE(assumes(scan, "taken for a sinogram, of 192 detector columns in 60 views"));
+    options.geometry.views = 1;
+    EXPECT_EQ(readScan(options).projections.height, 60) << "said to be one view";
+    options.geometry.views = 60;
+    EXPECT_EQ(readScan(options).projections.views, 60);
+
+    // Several sinograms: where the number of views says so, or they are asked for.
+    Projections several(24, 6, 3), expected(24, 3, 6);
+    for (int row = 0; row < 3; ++row)
+        for (int n = 0; n < 6; ++n)
+            for (int x = 0; x < 24; ++x)
+                several.view(row)[n * 24 + x] = expected.view(n)[row * 24 + x] = float(100 * n + 30 * row + x);
+    options.projections = {write("several", several)};
+    options.geometry.views = 6;
+    expectSameValues(readScan(options).projections, expected);
+    options.geometry.views = 0;
+    EXPECT_EQ(readScan(options).projections.views, 3) << "one view each";
+    options.sinograms = Sinograms::always;
+    expectSameValues(readScan(options).projections, expected);
+}
+
+TEST_F(ScanFiles, BrokenPixelsAreLeftOutAndSaid) {
+    Projections broken = numbered(kWidth, kHeight, kViews);
+    broken.view(2)[17] = 1e30f;
+    ScanOptions options;
+    options.projections = {write("broken", broken)};
+    const Scan scan = readScan(options);
+    EXPECT_TRUE(std::isnan(scan.projections.view(2)[17]));
+    EXPECT_EQ(scan.found.rays.notMeasured, 1u);
+    ASSERT_TRUE(hasWarning(scan, ScanWarning::Kind::implausible));
+    options.flat = "1000";  // of counts likewise
+    EXPECT_EQ(readScan(options).found.implausible, 1u);
+}
+
+TEST_F(ScanFiles, OverExposedCountsSayAtMost) {
+    Projections counts(kWidth, kHeight, kViews);
+    for (std::size_t p = 0; p < counts.values.size(); ++p)
+        counts.values[p] = std::min(600.f, 100.f + 5 * float(p % 150));
+    ScanOptions options;
+    options.projections = {write("counts", counts)};
+    options.flat = "1000";
+    EXPECT_EQ(readScan(options).found.rays.overexposed, 0u) << "nothing says where floats end";
+    options.saturatedAbove = 600;
+    const Scan scan = readScan(options);
+    EXPECT_EQ(scan.found.rays.overexposed, std::size_t(std::count(counts.values.begin(), counts.values.end(), 600.f)));
+    EXPECT_EQ(scan.projections.boundOf(149), RayBound::atMost);
+    EXPECT_EQ(scan.projections.boundOf(0), RayBound::none);
+    options.flat.clear();  // of line integrals it is the same as the saturation
+    EXPECT_EQ(readScan(options).projections.boundOf(149), RayBound::atLeast);
+    options.saturation = 600;
+    expectRefused(options, "saturatedAbove: of line integrals it is `saturation`");
 }
 
 TEST_F(ScanFiles, WhatIsHardlyMeantIsSaid) {
