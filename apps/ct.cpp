@@ -123,10 +123,12 @@ nlohmann::ordered_json describe(const CtArguments& a, const Scan& scan, const Re
                                    {"center", {grid.center.x, grid.center.y, grid.center.z}},
                                    {"spacing", grid.spacing},
                                    {"voxels_active", result.volume->activeVoxelCount()},
+                                   {"rows_cut", result.rowsCut},
                                    {"seconds", readSeconds + result.seconds.total},
                                    {"timings", {{"read", readSeconds}, {"reconstruct", result.seconds.total}}},
                                    {"peak_bytes", peakBytes},
                                    {"input", describe(scan)}};
+    if (result.fieldRadius > 0) json["field_radius"] = result.fieldRadius;
     const bool compared = a.reconstruct.volumes.reference != nullptr;
     if (a.reconstruct.method == ReconstructionMethod::fbp) {
         json["termination"] = nameOf(result.termination);

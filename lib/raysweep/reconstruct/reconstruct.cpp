@@ -7,6 +7,7 @@
 #include "raysweep/projector/footprint.h"
 #include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/orbit_fit.h"
+#include "raysweep/reconstruct/truncation.h"
 #include "raysweep/scan/line_integrals.h"
 #include "raysweep/volume/statistics.h"
 
@@ -45,9 +46,16 @@ void requireRoom(const ReconstructionGrid& grid, const ReconstructOptions& optio
                  "use larger voxels, or less of them");
 }
 
+/// A scan, and how its object goes on beyond the detector, if it does.
+struct Measured {
+    const Scan& scan;
+    std::optional<Truncation> truncation;
+};
+
 /// Filtered backprojection needs a value for every ray.
-openvdb::FloatGrid::Ptr filtered(const Scan& scan, const ReconstructOptions& options, const ProgressCallback& progress,
-                                 Reconstruction& result) {
+openvdb::FloatGrid::Ptr filtered(const Measured& measured, const ReconstructOptions& options,
+                                 const ProgressCallback& progress, Reconstruction& result) {
+    const Scan& scan = measured.scan;
     const Timer timer;
     const RayCounts rays = countRays(scan.projections);
     if (const std::size_t bounded = rays.saturated + rays.overexposed)
@@ -57,17 +65,17 @@ openvdb::FloatGrid::Ptr filtered(const Scan& scan, const ReconstructOptions& opt
                                                          "know better"});
     const std::string amiss = scanWarning(scan.geometry, &scan.projections);
     if (!amiss.empty()) result.warnings.push_back({Kind::shortScan, amiss});
-    const auto backproject = [&](const Projections& projections) {
-        return filteredBackprojection(projections, scan.geometry, result.grid, options.fbp, progress);
-    };
     openvdb::FloatGrid::Ptr volume;
-    if (rays.notMeasured == 0) {
-        volume = backproject(scan.projections);
+    if (rays.notMeasured == 0 && !measured.truncation) {
+        volume = filteredBackprojection(scan.projections, scan.geometry, result.grid, options.fbp, progress);
     } else {
-        Projections complete = scan.projections;
-        fillUnmeasured(complete);
-        volume = backproject(complete);
+        Projections projections = scan.projections;
+        ProjectionGeometry geometry = scan.geometry;
+        fillUnmeasured(projections);
+        if (measured.truncation) widen(*measured.truncation, projections, geometry);
+        volume = filteredBackprojection(projections, geometry, result.grid, options.fbp, progress);
     }
+    if (measured.truncation) volume = fieldOf(*measured.truncation, result.grid, *volume);
     result.seconds.filtered = timer.seconds();
     return volume;
 }
@@ -107,13 +115,22 @@ ReconstructionTermination terminationOf(SartTermination termination) {
     }
 }
 
-void iterate(const Scan& scan, const ReconstructOptions& options, const openvdb::FloatGrid::ConstPtr& initial,
+void iterate(const Measured& measured, const ReconstructOptions& options, const openvdb::FloatGrid::ConstPtr& given,
              const ProgressCallback& progress, Reconstruction& result) {
+    const Scan& scan = measured.scan;
     SartOptions sartOptions = options.sart;
     sartOptions.viewsPerUpdate = viewsTogether(options, scan.projections.views);
+    ReconstructionGrid grid = result.grid;
+    openvdb::FloatGrid::ConstPtr initial = given;
+    if (measured.truncation) {
+        grid = widened(*measured.truncation, grid);
+        requireRoom(grid, options);
+        initial = continuedObject(*measured.truncation, scan.geometry, grid, given.get());
+    }
     SartResult iterated =
-        sart(scan.projections, scan.geometry, result.grid, sartOptions, {initial, options.volumes.reference}, progress);
-    result.volume = iterated.volume;
+        sart(scan.projections, scan.geometry, grid, sartOptions, {initial, options.volumes.reference}, progress);
+    result.volume =
+        measured.truncation ? fieldOf(*measured.truncation, result.grid, *iterated.volume) : iterated.volume;
     result.termination = terminationOf(iterated.termination);
     result.history = std::move(iterated.history);
     result.updates = iterated.updates;
@@ -222,13 +239,19 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
         stopped = stopped || !report(progress, stage, fraction);
         return !stopped;
     };
+    const Measured measured{scan, findTruncation(scan.projections, scan.geometry)};
+    if (measured.truncation) {
+        result.fieldRadius = measured.truncation->radius;
+        result.rowsCut = measured.truncation->share;
+        result.warnings.push_back({Kind::truncation, measured.truncation->warning()});
+    }
     openvdb::FloatGrid::ConstPtr initial = options.volumes.initial;
     if (filters(options)) {
-        const openvdb::FloatGrid::Ptr volume = filtered(scan, options, stoppable, result);
+        const openvdb::FloatGrid::Ptr volume = filtered(measured, options, stoppable, result);
         initial = result.volume = volume;
     }
     if (!isDirect(options))
-        iterate(scan, options, initial, stoppable, result);
+        iterate(measured, options, initial, stoppable, result);
     else if (stopped)
         result.termination = ReconstructionTermination::interrupted;
     result.seconds.total = timer.seconds();

@@ -46,6 +46,7 @@ struct ReconstructionWarning {
     enum class Kind {
         saturation,   ///< filtered backprojection takes saturated values as if they were measured
         shortScan,    ///< see scanWarning
+        truncation,   ///< the object is wider than the detector, see Truncation
         voxelSize,    ///< far from what the detector resolves
         opaqueVoxel,  ///< a single voxel stops nearly all of a ray
         fewViews,     ///< the grid falls onto the detector in less than half of the views
@@ -64,10 +65,13 @@ struct Reconstruction {
     openvdb::FloatGrid::Ptr volume;  ///< "density", 1/world unit
     ReconstructionGrid grid;         ///< where it was reconstructed
     ReconstructionTermination termination = ReconstructionTermination::done;
-    int viewsSeeing = 0;             ///< views in which the grid falls onto the detector
-    double rms = 0;                  ///< difference to the reference over all voxels of the grid, as SartPoint::rms,
-                                     ///< 1/world unit; NaN without one. Only fbp takes a reference whose voxels do not
-                                     ///< coincide with the grid's: then it is that of compareGrids
+    double fieldRadius = 0;  ///< of what was measured from all sides, if the object is wider than the detector: nothing
+                             ///< is kept further from the axis; world units, else 0
+    double rowsCut = 0;      ///< then the share of ends of detector rows that lie within the object
+    int viewsSeeing = 0;     ///< views in which the grid falls onto the detector
+    double rms = 0;          ///< difference to the reference over all voxels of the grid, as SartPoint::rms,
+                             ///< 1/world unit; NaN without one. Only fbp takes a reference whose voxels do not
+                             ///< coincide with the grid's: then it is that of compareGrids
     std::vector<SartPoint> history;  ///< iterative methods only, as the next three
     int updates = 0;                 ///< corrections made
     std::size_t keptVoxels = 0;      ///< see SartResult
@@ -81,10 +85,12 @@ struct Reconstruction {
 double leastBytes(const ReconstructionGrid& grid, const ReconstructOptions& options);
 
 /// The volume whose X-rays the scan's are. Filtered backprojection gives rays that were not measured a value
-/// (fillUnmeasured, in a copy); iterative methods leave them out. The same bits for any number of threads.
+/// (fillUnmeasured, in a copy); iterative methods leave them out. An object that is wider than the detector is
+/// continued beyond it (Truncation): rows before they are filtered, and the voxels that iterative methods work on, with
+/// which their residuals and RMS differences are. The same bits for any number of threads.
 /// @throw InvalidArgument as ReconstructOptions::validate, ProjectionGeometry::validate, requireMatching and
-/// reconstructionGrid; if the detector misses the grid in every view, this machine has less memory than leastBytes, or
-/// a given volume has no active voxels, or densities leave the range of floats; as sart and filteredBackprojection.
+/// reconstructionGrid; if the detector misses the grid in every view, this machine has less memory than leastBytes, a
+/// given volume has no active voxels, or densities leave the range of floats; as sart and filteredBackprojection.
 Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options = {},
                            const ProgressCallback& progress = {});
 

@@ -1,0 +1,97 @@
+// Voxels of scans whose object is wider than the detector. See truncation.h.
+#include "raysweep/core/parallel.h"
+#include "raysweep/reconstruct/truncation.h"
+#include "raysweep/reconstruct/view_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace raysweep {
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+
+/// The body in whose slice a point is: that of the row onto which the axis at its height falls.
+const EllipticBody& bodyFor(const Truncation& t, const ViewMatrix& view, const Vec3& point) {
+    const Vec3 onAxis = t.orbit.center + t.orbit.axis * (point - t.orbit.center).dot(t.orbit.axis);
+    const ViewMatrix::Affine& along = t.sideways ? view.x : view.y;
+    const double row = std::round(along(onAxis) / view.depth(onAxis));
+    const double last = double(t.bodies.size() - 1);
+    return t.bodies[std::size_t(std::clamp(row, 0.0, last))];
+}
+
+}  // namespace
+
+ReconstructionGrid widened(const Truncation& t, const ReconstructionGrid& grid) {
+    ReconstructionGrid wide = grid;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double along = std::abs(t.orbit.axis[axis]), across = std::sqrt(std::max(0.0, 1 - along * along));
+        const double half = 0.5 * grid.dims[axis] * grid.spacing, away = grid.center[axis] - t.orbit.center[axis];
+        // What is along the axis stays as it is.
+        const auto voxels = [&](double side) {
+            const double missing = across * (t.reach + 2 * grid.spacing) - (half + side * away);
+            return across < 1e-6 ? 0 : std::max(0, int(std::ceil(missing / grid.spacing)));
+        };
+        const int low = voxels(-1), high = voxels(1);
+        wide.dims[axis] += low + high;
+        wide.center[axis] += 0.5 * (high - low) * grid.spacing;
+    }
+    return wide;
+}
+
+openvdb::FloatGrid::Ptr continuedObject(const Truncation& t, const ProjectionGeometry& geometry,
+                                        const ReconstructionGrid& grid, const openvdb::FloatGrid* inside) {
+    const auto volume = openvdb::FloatGrid::create(0.0f);
+    volume->setTransform(grid.transform());
+    const ViewMatrix view = viewMatrix(geometry.views.front(), geometry.beam);
+    std::vector<openvdb::Coord> origins;
+    for (int i = 0; i < grid.dims.x; i += int(Leaf::DIM))
+        for (int j = 0; j < grid.dims.y; j += int(Leaf::DIM))
+            for (int k = 0; k < grid.dims.z; k += int(Leaf::DIM)) origins.emplace_back(i, j, k);
+    std::vector<std::unique_ptr<Leaf>> leaves(origins.size());
+    parallelFor(origins.size(), [&](std::size_t n) {
+        auto leaf = std::make_unique<Leaf>(origins[n], 0.0f);
+        for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
+            const openvdb::Coord at = leaf->offsetToGlobalCoord(offset);
+            if (at.x() >= grid.dims.x || at.y() >= grid.dims.y || at.z() >= grid.dims.z) continue;
+            const Vec3 point = grid.voxel(at.x(), at.y(), at.z());
+            const EllipticBody& body = bodyFor(t, view, point);
+            const Vec3 place = point - t.orbit.center;
+            if (body.extinction > 0 && body.contains(place.dot(t.planeX), place.dot(t.planeY)))
+                leaf->setValueOn(offset, float(body.extinction));
+        }
+        if (!leaf->isEmpty()) leaves[n] = std::move(leaf);
+    });
+    for (auto& leaf : leaves)
+        if (leaf) volume->tree().addLeaf(leaf.release());
+    if (!inside) return volume;
+    auto values = volume->getAccessor();
+    for (auto value = inside->cbeginValueOn(); value; ++value) {
+        if (!value.isVoxelValue()) continue;
+        const openvdb::Vec3d place = volume->worldToIndex(inside->indexToWorld(value.getCoord()));
+        values.setValue(openvdb::Coord::round(place), *value);
+    }
+    return volume;
+}
+
+openvdb::FloatGrid::Ptr fieldOf(const Truncation& t, const ReconstructionGrid& grid, const openvdb::FloatGrid& volume) {
+    const auto field = openvdb::FloatGrid::create(0.0f);
+    field->setTransform(grid.transform());
+    field->setName(volume.getName());
+    field->setGridClass(volume.getGridClass());
+    auto values = field->getAccessor();
+    for (auto value = volume.cbeginValueOn(); value; ++value) {
+        const openvdb::Vec3d world = volume.indexToWorld(value.getCoord());
+        const openvdb::Coord voxel = openvdb::Coord::round(field->worldToIndex(world));
+        const Vec3 away = t.orbit.inPlane(Vec3(world.x(), world.y(), world.z()) - t.orbit.center);
+        if (voxel.x() >= 0 && voxel.x() < grid.dims.x && voxel.y() >= 0 && voxel.y() < grid.dims.y && voxel.z() >= 0 &&
+            voxel.z() < grid.dims.z && away.length() <= t.radius)
+            values.setValue(voxel, *value);
+    }
+    field->insertMeta("field_radius", openvdb::DoubleMetadata(t.radius));
+    field->insertMeta("field_rows_cut", openvdb::DoubleMetadata(t.share));
+    return field;
+}
+
+}  // namespace raysweep
