@@ -27,13 +27,6 @@ std::vector<TextLine> meantLinesOf(const std::string& text) {
     return meant;
 }
 
-std::vector<std::string> wordsOf(const std::string& line) {
-    std::istringstream in(line);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) words.push_back(word);
-    return words;
-}
-
 double numberOf(const std::string& word) {
     const char *begin = word.data() + (word.size() > 1 && word[0] == '+' ? 1 : 0), *end = word.data() + word.size();
     double value = 0;

@@ -1,6 +1,8 @@
 /// Files of lines with words and numbers. For this module's own sources.
 #pragma once
 
+#include "raysweep/core/words.h"
+
 #include <string>
 #include <vector>
 
@@ -15,8 +17,6 @@ std::vector<TextLine> linesOf(const std::string& text);
 
 /// Lines that hold something and are no comments, "# ...".
 std::vector<TextLine> meantLinesOf(const std::string& text);
-
-std::vector<std::string> wordsOf(const std::string& line);
 
 /// @throw IoError naming the word if it is not a finite number
 double numberOf(const std::string& word);

@@ -86,13 +86,6 @@ std::string lowerCase(std::string text) {
     return text;
 }
 
-std::vector<std::string> wordsOf(const std::string& text) {
-    std::istringstream in(text);
-    std::vector<std::string> words;
-    for (std::string word; in >> word;) words.push_back(word);
-    return words;
-}
-
 bool toNumber(const std::string& text, double& number) {
     char* end = nullptr;
     number = std::strtod(text.c_str(), &end);

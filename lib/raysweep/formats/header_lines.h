@@ -1,6 +1,8 @@
 /// Headers of text: lines, and numbers in them. Whatever the file is, what is read of it is bounded.
 #pragma once
 
+#include "raysweep/core/words.h"
+
 #include <cstdint>
 #include <fstream>
 #include <string>
@@ -35,9 +37,6 @@ class HeaderLines {
 
 std::string trimmed(const std::string& text);
 std::string lowerCase(std::string text);
-/// Separated by blanks.
-std::vector<std::string> wordsOf(const std::string& text);
-
 /// The number that `text` is, all of it; false if it is none, or none that fits. "nan" and "inf" are numbers.
 bool toNumber(const std::string& text, double& number);
 bool toWhole(const std::string& text, std::int64_t& number);
