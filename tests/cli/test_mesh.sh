@@ -31,7 +31,7 @@ expect_exit 2 "$raysweep" import block.obj floor.obj -o scene.vdb
 expect_match "--merge"
 expect_exit 0 "$raysweep" import block.obj floor.obj --merge -o scene.vdb --voxel-size 0.25 --name walls
 expect_exit 0 "$raysweep" light scene.vdb -o lit.vdb --density walls --ramp 0,1 --albedo grid:Cd --sun 0.5,0.6,-1,3 --sky 0.5 --quiet
-expect_exit 0 "$raysweep" bake lit.vdb floor.obj -o floor.ply --atlas 32 --report floor.json
+expect_exit 0 "$raysweep" bake lit.vdb floor.obj -o floor.ply --atlas 32 --exposure -1 --report floor.json
 expect_silent
 expect_json floor.json "r['corners'] == {'places': 4, 'turned': 0, 'missed': 0} and r['texels']['places'] == 1024"
 expect_exit 0 "$raysweep" bake lit.vdb block.obj -o block.ply --colors linear

@@ -65,15 +65,6 @@ TEST(Illuminate, AFarPointLightIsASun) {
     }
 }
 
-TEST(Illuminate, RefusesAnAlbedoGridWithAnotherTransform) {
-    Scene scene;
-    scene.medium.density = block(8, 0.1f);
-    const auto albedo = block(8, 0.5f);
-    albedo->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
-    scene.medium.albedoGrid = albedo;
-    EXPECT_THROW(illuminate(scene), InvalidArgument);
-}
-
 TEST(Illuminate, StoppedWhileFinishingItSpreadsWhatIsLeft) {
     Scene scene;
     scene.medium.density = block(16, 0.2f);
