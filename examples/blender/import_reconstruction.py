@@ -41,6 +41,7 @@ class Reconstruction:
     """Extinction is the density itself, and the colours shine."""
 
     source, source_hint = "Cd", "it is no volume of raysweep photo"
+    emission = None
 
     def __init__(self, args):
         self.grid = lit.plain_name(args.density or "density")
