@@ -300,7 +300,7 @@ void completeOptions(LightArguments& a, const CLI::App& command) {
         medium.albedoGrid = gridName(a.albedo, "--albedo");
     else if (!a.albedo.empty())
         medium.albedo = parseColor(a.albedo, "--albedo");
-    if (medium.albedoScale != 1 && !namesGrid(a.albedo))
+    if (medium.albedoScale != 1 && !namesGrid(a.albedo))  // config files that were written say all defaults
         usageError("--albedo-scale", "is for --albedo grid:NAME");
     if (medium.albedo && !isGrey(*medium.albedo) && medium.g != 0)
         usageError("--g", "needs a grey albedo, one number, since extinction is one for all wavelengths");
