@@ -87,7 +87,7 @@ void addScanOptions(CLI::App& app, ScanArguments& a) {
            "Point on the axis that the central ray passes (default: the middle of the volume; ct: of --initial or "
            "--reference, else 0,0,0)")
         ->type_name("X,Y,Z");
-    reads(app.get_option("--geometry"));
+    for (const char* name : {"--geometry", "--angles"}) reads(app.get_option(name));
     app.option_defaults()->group("Options");
 }
 

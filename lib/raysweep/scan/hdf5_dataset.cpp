@@ -2,6 +2,7 @@
 #include "raysweep/scan/hdf5_dataset.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/run_outputs.h"
 
 #include <hdf5.h>
 
@@ -80,6 +81,7 @@ std::int64_t openFile(const std::string& path) {
     if (!fs::exists(path, ignored)) failRead(path, "there is no such file");
     if (fs::is_directory(path, ignored)) failRead(path, "it is a folder; give an HDF5 file");
     if (!fs::is_regular_file(path, ignored)) failRead(path, "it is no file, but a device or a pipe");
+    noteInput(path);
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0) failRead(path, "it is no HDF5 file, or damaged (" + reason() + ")");
     return file;
