@@ -4,6 +4,8 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/formats/dicom_frames.h"
+#include "raysweep/formats/dicom_walk.h"
+#include "raysweep/formats/header_lines.h"
 #include "raysweep/formats/read_failure.h"
 
 #include <dcmtk/config/osconfig.h>  // must come first
@@ -11,32 +13,10 @@
 #include <dcmtk/dcmdata/dctk.h>
 #include <dcmtk/oflog/oflog.h>
 
-#include <cstring>
-#include <fstream>
+#include <cstdint>
 
 namespace raysweep {
 namespace {
-
-/// The first part of a file, its meta information, has elements of group 2 one after the other. DCMTK forgives what is
-/// wrong with them, GDCM does not. Files without a mark, older than it, begin with the data.
-bool hasSoundStart(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    char start[132] = {};
-    in.read(start, sizeof start);
-    if (!in || std::memcmp(start + 128, "DICM", 4) != 0) return start[0] == 8 && start[1] == 0 && start[3] == 0;
-    for (std::uint16_t tag[2]; in.read(reinterpret_cast<char*>(tag), 4) && tag[0] == 2;) {
-        char type[3] = {};
-        in.read(type, 2);
-        const DcmVR vr(type);
-        if (!in || !vr.isStandard()) return false;
-        std::uint32_t length = 0;
-        if (vr.usesExtendedLengthEncoding()) in.ignore(2);
-        in.read(reinterpret_cast<char*>(&length), vr.usesExtendedLengthEncoding() ? 4 : 2);
-        if (length > 1 << 16) return false;
-        in.ignore(length);
-    }
-    return bool(in);
-}
 
 int wholeOf(DcmItem& data, const DcmTagKey& tag, int otherwise, const std::string& file) {
     const std::string text = dicomText(data, tag);
@@ -71,7 +51,7 @@ DicomPixels pixelsOf(DcmDataset& data, const std::string& file) {
 }
 
 /// What there is room for: pixels that are not compressed tell how many bytes they have.
-void requireSound(DcmDataset& data, const DicomPixels& pixels, const std::string& file) {
+void requireSound(const DicomStructure& structure, const DicomPixels& pixels, const std::string& file) {
     const auto fail = [&](const std::string& why) { failRead(file, "in its header: " + why); };
     if (pixels.columns < 1 || pixels.rows < 1 || pixels.frames < 1 || pixels.channels < 1 || pixels.channels > 4)
         fail("it promises no pixels");
@@ -82,12 +62,12 @@ void requireSound(DcmDataset& data, const DicomPixels& pixels, const std::string
         fail("bits allocated, bits stored and the high bit contradict each other");
     const double needed =
         double(pixels.columns) * pixels.rows * pixels.frames * pixels.channels * (pixels.bitsAllocated / 8);
-    DcmElement* element = nullptr;
-    const bool packed = DcmXfer(data.getOriginalXfer()).isEncapsulated();
-    if (data.findAndGetElement(DCM_PixelData, element).bad() || element == nullptr) fail("it has no pixels");
-    if (!packed && double(element->getLength()) < needed)
+    constexpr double kMostPacked = 1 << 17;  // no coding packs pixels into less than this part of their size
+    if (structure.packed && needed > kMostPacked * double(sizeOfFile(file)))
+        fail("it promises more pixels than a file of its size can hold");
+    if (!structure.packed && double(structure.pixelBytes) < needed)
         failRead(file, "its pixels end early: " + std::to_string(std::uint64_t(needed)) +
-                           " bytes are needed, there are " + std::to_string(element->getLength()));
+                           " bytes are needed, there are " + std::to_string(structure.pixelBytes));
 }
 
 /// What would make other numbers of the pixels.
@@ -109,24 +89,23 @@ void requireNumbers(DcmDataset& data, const DicomPixels& pixels, const std::stri
 
 DicomHeader readDicomHeader(const std::string& file) {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    const DicomStructure structure = walkDicom(file);
     DcmFileFormat format;
-    const bool sound = hasSoundStart(file);
-    const OFCondition read = sound ? format.loadFile(file.c_str()) : EC_InvalidStream;
-    if (read.bad())
-        failRead(file, "it is not DICOM, is malformed, or ends early" +
-                           (sound ? std::string(" (") + read.text() + ")" : std::string()));
+    const OFCondition read = format.loadFileUntilTag(file.c_str(), EXS_Unknown, EGL_noChange, DCM_MaxReadLength,
+                                                     ERM_autoDetect, DCM_PixelData);
+    if (read.bad()) failRead(file, std::string("it is not DICOM, is malformed, or ends early (") + read.text() + ")");
     DcmDataset& data = *format.getDataset();
 
     DicomHeader header;
     header.file = file;
     header.series = dicomText(data, DCM_SeriesInstanceUID);
     header.description = dicomText(data, DCM_SeriesDescription);
-    header.image = !dicomText(data, DCM_Rows).empty() && data.tagExists(DCM_PixelData);
+    header.image = !dicomText(data, DCM_Rows).empty() && structure.pixels;
     if (data.tagExists(DCM_FloatPixelData) || data.tagExists(DCM_DoubleFloatPixelData))
         throw InvalidArgument("'" + file + "' has pixels that are floats, which cannot be read; convert it to NIfTI");
     if (!header.image) return header;
     header.pixels = pixelsOf(data, file);
-    requireSound(data, header.pixels, file);
+    requireSound(structure, header.pixels, file);
     requireNumbers(data, header.pixels, file);
     header.frames = dicomFrames(data, file, header.pixels.frames);
     if (header.pixels.photometric == "MONOCHROME1")

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
+#include "raysweep/formats/header_lines.h"
 #include "raysweep/formats/picture_layout.h"
 #include "raysweep/formats/read_failure.h"
 #include "raysweep/image/exr.h"
@@ -116,6 +117,15 @@ void addFile(const std::vector<std::string>& files, std::size_t n, const VolumeC
     for (const int page : pages) plan.slices.push_back({n, page, channel});
 }
 
+/// No picture is packed into less than this part of its size: a header that promises more is damaged.
+void requireRoom(const std::vector<std::string>& files, double bytes) {
+    constexpr double kMostPacked = 1 << 17;
+    double size = 0;
+    for (const std::string& file : files) size += double(sizeOfFile(file));
+    if (bytes > size * kMostPacked)
+        failRead(files.front(), "it claims to have more pixels than a file of its size can hold; it is damaged");
+}
+
 /// Where pixels are, if anything says so.
 void placeVolume(const Plan& plan, StoredVolume& volume) {
     const Vec3& spacing = plan.layout.spacing;
@@ -139,6 +149,7 @@ StoredVolume readPictures(const std::vector<std::string>& files, const VolumeCho
     volume.dims = Index3(plan.first.width, plan.first.height, int(plan.slices.size()));
     placeVolume(plan, volume);
     const std::size_t sliceBytes = std::size_t(plan.first.width) * std::size_t(plan.first.height) * sizeOf(volume.type);
+    requireRoom(files, double(sliceBytes) * double(plan.slices.size()));
     requireBytes(double(sliceBytes) * double(plan.slices.size()), "'" + files.front() + "': the pictures need",
                  "take fewer or smaller ones");
     volume.samples.reset(new std::byte[sliceBytes * plan.slices.size()]);

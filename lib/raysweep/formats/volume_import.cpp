@@ -45,6 +45,11 @@ void setSpacing(StoredVolume& volume, const std::optional<Vec3>& spacing) {
         throw InvalidArgument("the file's axes span no volume: steps (" + textOf(volume.steps[0]) + "), (" +
                                   textOf(volume.steps[1]) + "), (" + textOf(volume.steps[2]) + ")",
                               Remedy::giveSpacing);
+    constexpr double kLeast = 1e-14;  // what OpenVDB takes for a transform, and a little more
+    if (std::abs(cross.dot(volume.steps[2])) < kLeast)
+        throw InvalidArgument("the file's voxels are too small for a grid, steps (" + textOf(volume.steps[0]) + "), (" +
+                                  textOf(volume.steps[1]) + "), (" + textOf(volume.steps[2]) + ")",
+                              Remedy::giveSpacing);
     if (!std::isfinite(lengths + volume.origin.length()))
         throw InvalidArgument("the file's place, " + textOf(volume.origin) + ", is not finite");
 }

@@ -134,6 +134,11 @@ TEST_F(ImportItk, MalformedOrTruncatedDicomIsNamed) {
     image.columns = image.rows = 4;
     image.samples.resize(16);
     const std::string whole = dicomBytes(image);
+    const std::size_t pixels = whole.find(std::string("\xe0\x7f\x10\0", 4));
+    for (const std::size_t begin : {pixels, whole.size()}) {  // zeros instead of the pixels, or behind them
+        writeFile(folder / "zeros.dcm", whole.substr(0, begin) + std::string(1 << 22, '\0'));
+        expectError({folder / "zeros.dcm"}, "there is an element that no data set has");
+    }
     writeFile(folder / "cut.dcm", whole.substr(0, whole.size() - 8));
     expectError({folder / "cut.dcm"}, "cut.dcm");
     image.frames = 1000000;

@@ -219,6 +219,7 @@ TEST_F(Nrrd, HeadersThatAreNotToBeTrustedAreRefusedAtOnce) {
     refuse(header("space: LPS\nspace directions: (1,0) (0,1) (1,1)\n\n") + bytes, "vectors of another length");
     refuse(header("space: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,inf)\n\n") + bytes, "is not finite");
     refuse(header("space: LPS\nspace directions: (1,0,0) (0,1,0) (1,1,0)\n\n") + bytes, "span no volume");
+    refuse(header("spacings: 1e-6 1e-6 1e-6\n\n") + bytes, "voxels are too small for a grid");
     refuse("NRRD0004\ntype: short\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + bytes, "endian must be");
     refuse("NRRD0004\ntype: block\nblock size: 2\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + bytes,
            "blocks of bytes");

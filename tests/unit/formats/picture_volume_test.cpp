@@ -216,6 +216,11 @@ TEST_F(Pictures, GreyOfFewerBitsInOtherFormats) {
     expectValues(importVolume({file(wide, "b.pgm")}, asStored()), {1000, 4095, 1});
 }
 
+TEST_F(Pictures, HeadersMayNotPromiseMoreThanTheirFilesCanHold) {
+    expectError({page(tiffFields(60000, 60000, 8), "few")}, "more pixels than a file of its size can hold");
+    expectError({page(tiffFields(2000000, 2, 8), "few")}, "it is damaged");
+}
+
 TEST_F(Pictures, ChannelsAndPartsOfAnExrAreListedAndChosen) {
     const Imath::Box2i window({2, 5}, {4, 6});
     std::vector<Imf::Header> headers(2, Imf::Header({{0, 0}, {9, 9}}, window));
