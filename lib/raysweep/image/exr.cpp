@@ -16,6 +16,7 @@
 #include <cctype>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <mutex>
 #include <tuple>
@@ -114,6 +115,7 @@ class ExrFile : public PictureFile {
         page.typeName = "uint";
         for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++page.channels)
             if (c.channel().type != Imf::UINT) page.type = SampleType::float32, page.typeName = "float";
+        requireRoom(header, double(page.width) * page.height, page.channels);
         page.channelNames = orderedChannels(header.channels());
         page.left = window.min.x;
         page.top = window.min.y;
@@ -150,6 +152,16 @@ class ExrFile : public PictureFile {
     }
 
   private:
+    /// No coding packs pixels into less than this part of their size. OpenEXR takes the memory for a tile at once.
+    void requireRoom(const Imf::Header& header, double pixels, int channels) const {
+        constexpr double kMostPacked = 1 << 17;
+        const double most = kMostPacked * double(std::filesystem::file_size(path_)) / (4.0 * channels);
+        const bool tiled = header.hasTileDescription();
+        const double tile = tiled ? double(header.tileDescription().xSize) * header.tileDescription().ySize : 0;
+        if (pixels > most || tile > most)
+            failToRead(path_, "it claims to have more pixels than a file of its size can hold; it is damaged");
+    }
+
     static bool whole(const Imf::ChannelList& channels, const std::string& name) {
         return channels[name.c_str()].type == Imf::UINT;
     }
