@@ -379,6 +379,30 @@ TEST(Surface, SunAndPointShowLambertsLawAndShadows) {
     }
 }
 
+// Where normals are wrong by a few degrees a sphere has rings.
+TEST(Surface, SunOnASphereShowsLambertsLawWithoutRings) {
+    const Frame frame{64, 0};
+    const double radius = 27;
+    const auto density = solidGrid(frame, Edges::partial, [&](const Vec3& p) { return p.length() - radius; });
+    Scene scene = wallScene(density, 0.9);
+    const Vec3 direction = Vec3(0.5, 0.6, -0.7).normalized();
+    scene.suns.push_back({direction, grey(3)});
+    const Illumination lit = illuminate(scene, sweepsOf(0));
+    const auto radiosity = static_cast<const FloatGrid&>(*lit.radiosity).getConstAccessor();
+    double squares = 0, weights = 0;
+    for (auto on = density->cbeginValueOn(); on; ++on) {
+        const Vec3 at = frame.local(on.getCoord().x(), on.getCoord().y(), on.getCoord().z());
+        const double cosine = -at.normalized().dot(direction);
+        if (at.length() < radius - 0.5 || cosine < 0.3) continue;
+        const double weight = -std::expm1(-double(*on));
+        const double error = double(radiosity.getValue(on.getCoord())) / (0.9 * 3 * cosine / kPi) - 1;
+        squares += weight * error * error;
+        weights += weight;
+    }
+    std::printf("  RMS %.4f\n", std::sqrt(squares / weights));
+    EXPECT_LE(std::sqrt(squares / weights), 0.0085);  // 0.030 with normals of opacity that is not averaged
+}
+
 TEST(Surface, PowerAddsUpAndThreadsDoNotMatter) {
     const Frame frame{40, 0.3};
     const auto density = solidGrid(frame, Edges::partial, [](const Vec3& p) { return std::abs(p.length() - 12) - 3; });

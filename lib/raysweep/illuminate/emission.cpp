@@ -21,7 +21,7 @@ double surfaceShare(const SolverState& state, const Overlap& overlap, const open
         if (b == kNoBrick) return;
         const PackedNormal* const normals = state.solid.surfaces.normals(b);
         const std::size_t i = offsetInBrick(here);
-        if (normals && normals[i] != 0 && state.medium.tau.brick(b)[i] > 0) share += part;
+        if (normals && isSurface(normals[i]) && state.medium.tau.brick(b)[i] > 0) share += part;
     });
     return share;
 }
