@@ -144,7 +144,9 @@ json describeOrError(const openvdb::GridBase& grid) {
     try {
         return describe(grid);
     } catch (const openvdb::Exception& e) {
-        return {{"name", grid.getName()}, {"type", grid.valueType()}, {"error", "grid '" + grid.getName() + "': " + e.what()}};
+        return {{"name", grid.getName()},
+                {"type", grid.valueType()},
+                {"error", "grid '" + grid.getName() + "': " + e.what()}};
     }
 }
 
@@ -169,8 +171,7 @@ int runInfo(const InfoOptions& options) {
     writeReport(options.common, info);
     if (info["unreadable"].empty()) return kDone;
     for (const json& grid : info["unreadable"])
-        std::fprintf(stderr, "raysweep: '%s': %s\n", options.file.c_str(),
-                     grid["error"].get<std::string>().c_str());
+        std::fprintf(stderr, "raysweep: '%s': %s\n", options.file.c_str(), grid["error"].get<std::string>().c_str());
     return kFailed;
 }
 

@@ -1,4 +1,5 @@
-/// COLMAP's models. The first byte says if they are binary; cameras, images and points follow, apart by four bytes 0xff.
+/// COLMAP's models. The first byte says if they are binary; cameras, images and points follow, apart by four bytes
+/// 0xff.
 #include "fuzzed_file.h"
 #include "raysweep/camera/poses.h"
 

@@ -1,7 +1,7 @@
 /// Our geometry files (docs/ct.md).
+#include "raysweep/scan/geometry_json.h"
 #include "fuzzed_file.h"
 #include "raysweep/camera/projection_geometry.h"
-#include "raysweep/scan/geometry_json.h"
 
 using namespace raysweep;
 

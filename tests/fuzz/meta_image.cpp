@@ -1,6 +1,6 @@
 /// MetaImage volumes.
-#include "fuzzed_file.h"
 #include "raysweep/formats/meta_image.h"
+#include "fuzzed_file.h"
 
 using namespace raysweep;
 

@@ -1,6 +1,6 @@
 /// Files of poses: transforms.json, and lists of matrices.
-#include "fuzzed_file.h"
 #include "raysweep/camera/poses.h"
+#include "fuzzed_file.h"
 
 using namespace raysweep;
 

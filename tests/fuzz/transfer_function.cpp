@@ -1,6 +1,6 @@
 /// Tables of --transfer.
-#include "fuzzed_file.h"
 #include "raysweep/volume/transfer_function.h"
+#include "fuzzed_file.h"
 
 using namespace raysweep;
 

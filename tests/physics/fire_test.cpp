@@ -110,7 +110,8 @@ TEST(FirePhysics, ASlabSendsOutWhatItWouldAbsorb) {
         const double exact = kPi * (1 - slab.reflectance - slab.transmittance) * 2 * 64;
         std::printf("  thickness %.1f albedo %.1f: sends out %.4f of what it should\n", slab.opticalThickness,
                     slab.albedo, lit.power.escaped[0] / exact);
-        EXPECT_NEAR(lit.power.escaped[0] / exact, 1, 2.5e-3);  // found: 2.3e-3, in voxels of depth 0.16; halved in half of them
+        EXPECT_NEAR(lit.power.escaped[0] / exact, 1,
+                    2.5e-3);  // found: 2.3e-3, in voxels of depth 0.16; halved in half of them
         EXPECT_LE(lit.power.error(), 1e-6);
     }
 }

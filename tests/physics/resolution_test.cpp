@@ -89,8 +89,8 @@ TEST(Resolution, OpticalDepthAlongEveryColumnIsKept) {
     }
 }
 
-// Nothing is lost but by roundings of floats, of emission and of what is exchanged, which add up at random. Found: 2.4e-8
-// and, with AVX-512, AVX2, SSE4 and without vectors, 6.9e-8.
+// Nothing is lost but by roundings of floats, of emission and of what is exchanged, which add up at random.
+// Found: 2.4e-8 and, with AVX-512, AVX2, SSE4 and without vectors, 6.9e-8.
 TEST(Resolution, EmittedPowerIsKept) {
     Scene scene;
     scene.medium.density = cloudVolume(40);

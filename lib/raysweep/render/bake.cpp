@@ -190,7 +190,8 @@ BakedMesh bakeRadiosity(const RenderInput& volume, const TriangleMesh& mesh, con
                         const ProgressCallback& progress) {
     options.validate();
     const RenderVolume checked(volume);
-    if (options.atlas > 0 && mesh.texture.empty()) throw about("atlas", InvalidArgument("the mesh has no texture coordinates"));
+    if (options.atlas > 0 && mesh.texture.empty())
+        throw about("atlas", InvalidArgument("the mesh has no texture coordinates"));
     return volume.radiosity->isType<openvdb::FloatGrid>() ? bake<openvdb::FloatGrid>(volume, mesh, options, progress)
                                                           : bake<openvdb::Vec3SGrid>(volume, mesh, options, progress);
 }

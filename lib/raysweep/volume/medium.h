@@ -13,9 +13,9 @@ struct Medium {
     Color albedo = grey(0.9f);               ///< single-scattering albedo, in [0,1]; used where no grid is given
     openvdb::GridBase::ConstPtr albedoGrid;  ///< FloatGrid or Vec3SGrid, in [0,1], 0 where inactive; may be null
     openvdb::GridBase::ConstPtr emission;    ///< FloatGrid or Vec3SGrid, emitted power density, W/world unit^3,
-                                           ///< isotropic, 0 where inactive, with smoke or without; or null
-    double emissionScale = 1;  ///< factor on `emission`
-    bool solid = false;        ///< a classified solid, which has surfaces (a ramp, a table, a level set), not a fog
+                                             ///< isotropic, 0 where inactive, with smoke or without; or null
+    double emissionScale = 1;                ///< factor on `emission`
+    bool solid = false;  ///< a classified solid, which has surfaces (a ramp, a table, a level set), not a fog
 };
 
 /// What light meets, as a grid "extinction", 1/world unit; tiles as voxels.
