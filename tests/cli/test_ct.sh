@@ -248,7 +248,7 @@ expect_json report.json "r['updates_history'] == [10, 20, 30, 40, 50, 60] and le
 for picture in slices.png plot.svg; do [ -s $picture ] || fail "there is no $picture"; done
 
 # Ctrl-C: the volume so far, and 130.
-(trap - INT && exec "$raysweep" ct p.mha --parallel -o stopped.vdb $grid --iterations 1000000 --report report.json) >.out 2>.err &
+start_interruptible "$raysweep" ct p.mha --parallel -o stopped.vdb $grid --iterations 1000000 --report report.json
 interrupt_after_work $!
 [ $? = 130 ] || fail "Ctrl-C did not end with 130"
 expect_match "'stopped.vdb' holds the volume so far"

@@ -95,12 +95,9 @@ refuse 1 "cannot read" "$raysweep" photo missing.json -o new2.vdb --save-mattes 
 
 # --- Signals.
 started() {  # runs in the background with a snapshot every sweep, so that there is always something being written
-    "$raysweep" light big.vdb -o signal.vdb --sky 1 --sun 0,0,-1,3 --tolerance 0 --sweeps 100000 --snapshots 1 --quiet &
-    local ticks=0
-    while [ "${ticks:-9999}" -lt "$(getconf CLK_TCK)" ]; do
-        sleep 0.1
-        ticks=$(awk '{print $14}' "/proc/$!/stat" 2>/dev/null)
-    done
+    start_interruptible "$raysweep" light big.vdb -o signal.vdb --sky 1 --sun 0,0,-1,3 --tolerance 0 --sweeps 100000 --snapshots 1 \
+        --quiet
+    wait_for_work $!
 }
 "$raysweep" generate cloud -o big.vdb --size 64
 for signal in TERM HUP; do
@@ -111,12 +108,10 @@ for signal in TERM HUP; do
     [ ! -e signal.vdb ] || fail "$signal left an output"
     rm -f signal_*.vdb
 done
-set -m  # or the shell starts what is in the background with SIGINT ignored
 started
 kill -INT $!
 kill -INT $! 2>/dev/null
 wait $!
-set +m
 expect_no_leftovers .
 rm -f signal*.vdb
 trap '' INT

@@ -166,7 +166,7 @@ photo one.json -o vol.vdb "${small[@]}" --iterations 1
 expect_match "there is one view only"
 
 # Ctrl-C: the volume so far, and 130.
-(trap - INT && exec "$raysweep" photo views -o stopped.vdb "${small[@]}" --iterations 1000000 --report report.json) >.out 2>.err &
+start_interruptible "$raysweep" photo views -o stopped.vdb "${small[@]}" --iterations 1000000 --report report.json
 interrupt_after_work $!
 [ $? = 130 ] || fail "Ctrl-C did not end with 130"
 expect_match "'stopped.vdb' holds the volume so far"

@@ -52,7 +52,7 @@ render lit.vdb --config scene.toml
 expect_exit 0 "$raysweep" compare c.exr a.exr --max-rms 0
 
 # Ctrl-C: exit 130, whole frames only.
-"$raysweep" render lit.vdb -o stop.exr --size 256,256 --turntable 9999 2>.err &
+start_interruptible "$raysweep" render lit.vdb -o stop.exr --size 256,256 --turntable 9999
 running=$!
 for _ in $(seq 200); do [ -e stop_0001.exr ] && break || sleep 0.05; done
 kill -INT $running

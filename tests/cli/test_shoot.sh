@@ -125,9 +125,8 @@ expect_match "cannot write"
 expect_no_leftovers .
 
 # Ctrl-C: exit 130; the views that are done and where they were taken from.
-"$raysweep" shoot tri.vdb -o stopped --views 9999 --size 100,100 --report report.json 2>.err &
-running=$!
-interrupt_after_work $running
+start_interruptible "$raysweep" shoot tri.vdb -o stopped --views 9999 --size 100,100 --report report.json
+interrupt_after_work $!
 code=$?
 [ $code = 130 ] || fail "exit $code after Ctrl-C"
 expect_match "stopped; 'stopped' holds the first"

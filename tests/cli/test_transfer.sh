@@ -81,10 +81,10 @@ expect_json info.json "[g['name'] for g in r['grids']].count('extinction') == 2"
 render lit.vdb -o a.exr
 render lit.vdb -o b.exr --ramp 0,2
 same_picture a.exr b.exr
-light lit.vdb -o lit.vdb "${sun[@]}"
-info lit.vdb
+light lit.vdb -o relit.vdb "${sun[@]}"
+info relit.vdb
 expect_json info.json "[g['name'] for g in r['grids']].count('extinction') == 1"
-same_grid own.vdb lit.vdb extinction
+same_grid own.vdb relit.vdb extinction
 
 # Negative values have a meaning here; --repair takes away only what has none.
 "$make_volume" negative negative.vdb
