@@ -67,7 +67,7 @@ json compareImageFiles(const CompareOptions& options) {
                    {"max", finiteOrNull(d.maxDifference)}};
     if (!difference.alpha) return result;
     const double channels = picture.channels == 2 || picture.channels == 4 ? picture.channels : picture.channels + 1;
-    result["rmse_with_alpha"] = finiteOrNull(
+    result["rmse_all"] = finiteOrNull(
         std::sqrt(((channels - 1) * d.rmse * d.rmse + difference.alpha->rmse * difference.alpha->rmse) / channels));
     result["alpha_rmse"] = finiteOrNull(difference.alpha->rmse);
     result["alpha_max"] = finiteOrNull(difference.alpha->maxDifference);
@@ -107,7 +107,7 @@ int runCompare(const CompareOptions& options) {
         print(result);
     writeReport(options.common, result);
     if (options.maxRms < 0) return kDone;
-    const char* const judged = result.contains("rmse_with_alpha") ? "rmse_with_alpha" : "rmse";
+    const char* const judged = result.contains("rmse_all") ? "rmse_all" : "rmse";
     const bool within = result[judged].is_number() && result[judged].get<double>() <= options.maxRms;
     if (!within) message(options.common, std::string("the ") + judged + " is above --max-rms");
     return within ? kDone : kFailed;

@@ -308,7 +308,7 @@ refused 1 "--spacing 1e+25: must be more than a billionth" p.mha $out --parallel
 refused 1 "no ray was measured" all.mha $out --parallel
 refused 1 "it does not end" p.mha $out --parallel --angles /dev/zero
 ln -s /dev/zero endless.h5
-refused 1 "it is no file, but a device or a pipe" endless.h5 $out
+refused 1 "it is a device or a pipe" endless.h5 $out
 refused 1 "orbit views 2147483647: must be 1 to 1048576" p.mha $out --geometry endless.json
 refused 1 "'views' is given twice" p.mha $out --geometry twice.json
 refused 1 "the geometry has 20 views, but the projections have 30" p.mha $out --parallel --views 20

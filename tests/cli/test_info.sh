@@ -10,7 +10,7 @@ expect_output "raysweep_generate = sphere"
 expect_silent
 
 expect_exit 1 "$raysweep" info missing.vdb
-expect_match "cannot read 'missing.vdb': No such file"
+expect_match "cannot read 'missing.vdb': there is no such file"
 expect_exit 1 "$raysweep" info "$work"
 expect_match "folder"
 echo "plain text, long enough to hold a header" >text.vdb

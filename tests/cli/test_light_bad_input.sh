@@ -17,7 +17,7 @@ refuse() {
 to=(--sky 1 -o lit.vdb)
 
 # Files.
-refuse 1 "cannot read 'missing.vdb': No such file" missing.vdb "${to[@]}"
+refuse 1 "cannot read 'missing.vdb': there is no such file" missing.vdb "${to[@]}"
 refuse 1 "folder" . "${to[@]}"
 echo "plain text, long enough to hold a header" >text.vdb
 refuse 1 "not an OpenVDB file" text.vdb "${to[@]}"

@@ -1,5 +1,6 @@
 #include "raysweep/formats/header_lines.h"
 
+#include "raysweep/core/regular_file.h"
 #include "raysweep/formats/read_failure.h"
 
 #include <algorithm>
@@ -32,13 +33,7 @@ bool toAll(const std::string& text, std::vector<Number>& numbers, const Convert&
 }  // namespace
 
 void requireRegularFile(const std::string& path) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (status.type() == std::filesystem::file_type::not_found) failRead(path, "there is no such file");
-    if (error) failRead(path, error.message());
-    if (std::filesystem::is_directory(status)) failRead(path, "it is a folder");
-    if (!std::filesystem::is_regular_file(status))
-        failRead(path, "it is a device or a pipe, not a file; save what it gives in a file first");
+    if (const std::string why = whyNotRegular(path, "a file"); !why.empty()) failRead(path, why);
 }
 
 std::uint64_t sizeOfFile(const std::string& path) {

@@ -1,6 +1,7 @@
 #include "raysweep/image/exr.h"
 
 #include "raysweep/core/parallel.h"
+#include "raysweep/image/exr_header.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -211,6 +212,7 @@ bool isExr(const std::string& path) {
 }
 
 std::unique_ptr<PictureFile> openExr(const std::string& path) {
+    requireSoundExrHeader(path);
     try {
         auto file = std::make_unique<ExrFile>(path);
         if (!file->isReadable()) return nullptr;

@@ -4,6 +4,7 @@
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/module.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/regular_file.h"
 #include "raysweep/core/run_outputs.h"
 #include "raysweep/image/exr.h"
 #include "raysweep/image/jpeg_check.h"
@@ -13,7 +14,6 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 
 namespace raysweep {
@@ -87,11 +87,7 @@ const PictureFormats* pictureFormats(std::string& problem) {
 
 template <class OpenByModule>
 std::unique_ptr<PictureFile> open(const std::string& path, const OpenByModule& openByModule) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) failToRead(path, "there is no such file");
-    if (std::filesystem::is_directory(path, ignored)) failToRead(path, "it is a folder; give a picture file");
-    if (!std::filesystem::is_regular_file(path, ignored))
-        failToRead(path, "it is not a regular file, and a picture cannot be read from a stream; save it first");
+    if (const std::string why = whyNotRegular(path, "a picture file"); !why.empty()) failToRead(path, why);
     noteInput(path);
     if (isVolume(path)) failToRead(path, std::string("it is an OpenVDB volume") + kGivePicture);
     if (isExr(path))

@@ -3,15 +3,13 @@
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
 #include "raysweep/core/module.h"
+#include "raysweep/core/regular_file.h"
 #include "raysweep/core/run_outputs.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/mesh/mesh_formats.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-
-namespace fs = std::filesystem;
 
 namespace raysweep {
 namespace {
@@ -27,13 +25,6 @@ const MeshFormats& formatsFor(const std::string& path) {
     if (formats.version != kMeshFormatsVersion)
         fail(path, "the module 'raysweep_meshes.so' belongs to another build; build or install it again");
     return formats;
-}
-
-void requireRegularFile(const std::string& path) {
-    std::error_code ignored;
-    const fs::file_status status = fs::status(path, ignored);
-    if (!fs::exists(status)) fail(path, "there is no such file");
-    if (!fs::is_regular_file(status)) fail(path, "it is no file; give a mesh (.obj, .ply, .stl)");
 }
 
 bool isFinite(const Vec3& p) {
@@ -65,7 +56,7 @@ bool isMeshFile(const std::string& path) {
 
 TriangleMesh readMesh(const std::string& path, ColorEncoding encoding) {
     noteInput(path);
-    requireRegularFile(path);
+    if (const std::string why = whyNotRegular(path, "a mesh (.obj, .ply, .stl)"); !why.empty()) fail(path, why);
     if (!isMeshFile(path)) fail(path, "it is no mesh by its name; give an .obj, .ply or .stl file");
     TriangleMesh mesh;
     const std::string problem = formatsFor(path).read(path, lowerExtension(path).substr(1), mesh);

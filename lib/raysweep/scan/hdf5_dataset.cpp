@@ -2,6 +2,7 @@
 #include "raysweep/scan/hdf5_dataset.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/regular_file.h"
 #include "raysweep/core/run_outputs.h"
 
 #include <hdf5.h>
@@ -77,10 +78,7 @@ QuietHdf5::~QuietHdf5() {
 namespace {
 
 std::int64_t openFile(const std::string& path) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) failRead(path, "there is no such file");
-    if (fs::is_directory(path, ignored)) failRead(path, "it is a folder; give an HDF5 file");
-    if (!fs::is_regular_file(path, ignored)) failRead(path, "it is no file, but a device or a pipe");
+    if (const std::string why = whyNotRegular(path, "an HDF5 file"); !why.empty()) failRead(path, why);
     noteInput(path);
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0) failRead(path, "it is no HDF5 file, or damaged (" + reason() + ")");

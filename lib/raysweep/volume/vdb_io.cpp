@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/core/regular_file.h"
 #include "raysweep/core/run_outputs.h"
 #include "raysweep/volume/input_file.h"
 #include "raysweep/volume/leaf_writer.h"
@@ -212,11 +213,9 @@ void requireVdb(std::istream& in, const std::string& path) {
 
 VdbFile read(const std::string& path, std::vector<UnreadableGrid>* unreadable) {
     initializeGrids();
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored)) failRead(path, "it is a folder; give a .vdb file");
-    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
-        failRead(path, "it is not a regular file, and a .vdb cannot be read from a stream; save it first");
+    if (const std::string why = whyNotRegular(path, "a .vdb file"); !why.empty()) failRead(path, why);
     errno = 0;
+    std::error_code ignored;
     const std::uintmax_t size = std::filesystem::file_size(path, ignored);
     InputFile buffer(path, size);
     if (!buffer.isOpen()) failRead(path, systemError());

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -147,6 +148,31 @@ TEST_F(PictureKinds, CutJpegsAreRefused) {
         EXPECT_THROW(readImage(cut), IoError) << length;
     }
     EXPECT_FALSE(isCutJpeg(file("a.png", fromHex(kGrey16))));
+}
+
+// OpenEXR would take gigabytes for what these claim.
+TEST_F(PictureKinds, ExrHeadersThatClaimMoreThanTheirFileHoldsAreRefused) {
+    writeImage(folder_ / "a.exr", Image(4, 3, 1));
+    std::ifstream stream(folder_ / "a.exr", std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    const auto with = [&](const std::string& attribute, std::size_t skipped, std::int32_t value) {
+        std::string bytes = whole;
+        const std::size_t at = bytes.find(attribute) + attribute.size() + skipped;
+        for (int n = 0; n < 4; ++n) bytes[at + std::size_t(n)] = char(value >> (8 * n));
+        return bytes;
+    };
+    const std::string window("dataWindow\0box2i", 16), name("compression\0compression", 23);
+    EXPECT_EQ(read("same.exr", with(window, 1, 16)).pixels.size(), 12u);
+    for (const std::string& bytes : {with(window, 1 + 4 + 12, 1 << 28), with(window, 1 + 4 + 4, -(1 << 30)),
+                                     with(name, 1, 1 << 30), with(name, 1, -1)})
+        try {
+            read("b.exr", bytes);
+            ADD_FAILURE() << "was read";
+        } catch (const IoError& e) {
+            EXPECT_NE(std::string(e.what()).find("longer than the file"), std::string::npos) << e.what();
+        }
+    for (std::size_t length = 4; length < whole.size(); ++length)
+        EXPECT_THROW(read("cut.exr", whole.substr(0, length)), IoError) << length;
 }
 
 // Coverage 128 of 255 is half a pixel, not the fifth of its light that grey 128 gives.

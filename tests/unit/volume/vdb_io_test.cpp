@@ -199,7 +199,7 @@ TEST(VdbIo, SaysWhatIsWrongWithAFileThatCannotBeRead) {
     writeBytes(folder / "empty.vdb", "");
     EXPECT_NE(messageOfReading(folder / "text.vdb").find("not an OpenVDB file"), std::string::npos);
     EXPECT_NE(messageOfReading(folder / "empty.vdb").find("empty"), std::string::npos);
-    EXPECT_NE(messageOfReading(folder / "none.vdb").find("No such file"), std::string::npos);
+    EXPECT_NE(messageOfReading(folder / "none.vdb").find("there is no such file"), std::string::npos);
     EXPECT_NE(messageOfReading(folder.path().string()).find("folder"), std::string::npos);
 }
 

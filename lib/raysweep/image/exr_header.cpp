@@ -1,0 +1,143 @@
+// "OpenEXR File Layout": magic number and version, then for each part attributes up to an empty name, each a name, a
+// type, a length and a value, then for each part a table with the places of its chunks, eight bytes each.
+#include "raysweep/image/exr_header.h"
+
+#include "raysweep/image/picture_file.h"
+
+#include <OpenEXR/ImfVersion.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+#include <string>
+
+namespace raysweep {
+namespace {
+
+[[noreturn]] void failDamaged(const std::string& path, const std::string& what) {
+    failToRead(path, what + "; it is damaged");
+}
+
+class Reader {
+  public:
+    explicit Reader(const std::string& path) : path_(path), file_(path, std::ios::binary | std::ios::ate) {
+        length_ = file_.tellg();
+        file_.seekg(0);
+    }
+
+    std::string text() {
+        std::string text;
+        std::getline(file_, text, '\0');
+        requireMore(0);
+        return text;
+    }
+
+    std::int32_t integer() {
+        unsigned char b[4] = {};
+        file_.read(reinterpret_cast<char*>(b), sizeof b);
+        requireMore(0);
+        return std::int32_t(b[0] | b[1] << 8 | b[2] << 16 | std::uint32_t(b[3]) << 24);
+    }
+
+    int byte() {
+        const int value = file_.get();
+        requireMore(0);
+        return value;
+    }
+
+    void skip(std::int64_t bytes) {
+        requireMore(bytes);
+        file_.seekg(bytes, std::ios::cur);
+    }
+
+    bool atEndOfHeader() {
+        if (file_.peek() != 0) return false;
+        file_.get();
+        return true;
+    }
+
+    std::int64_t place() { return file_.tellg(); }
+
+    void requireMore(std::int64_t bytes) {
+        if (!file_ || bytes < 0 || bytes > length_ - place()) failDamaged(path_, "its header is longer than the file");
+    }
+
+  private:
+    std::string path_;
+    std::ifstream file_;
+    std::int64_t length_ = 0;
+};
+
+struct Part {
+    std::int64_t width = 0, height = 0, tileWidth = 0, tileHeight = 0, chunks = 0;
+    int linesOfChunk = 1;
+};
+
+/// Lists hold lengths of their own: of strings, and of a picture.
+void checkInside(Reader& file, const std::string& type, std::int64_t length) {
+    const std::int64_t end = file.place() + length;
+    if (type == "stringvector")
+        while (file.place() < end) file.skip(file.integer());
+    if (type == "preview" && length >= 8) {
+        const std::int64_t width = std::uint32_t(file.integer()), height = std::uint32_t(file.integer());
+        if (width > 0 && height > (1 << 30) / width) file.requireMore(-1);
+        file.requireMore(4 * width * height);
+    }
+    file.skip(end - file.place());
+}
+
+/// By the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+int linesOfChunk(int compression) {
+    constexpr int kLines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+    return compression >= 0 && compression < 10 ? kLines[compression] : 256;
+}
+
+void readAttribute(Reader& file, Part& part) {
+    const std::string name = file.text(), type = file.text();
+    const std::int64_t length = file.integer();
+    file.requireMore(length);
+    if (name == "dataWindow" && length == 16) {
+        const std::int64_t left = file.integer(), top = file.integer();
+        part.width = file.integer() - left + 1;
+        part.height = file.integer() - top + 1;
+    } else if (name == "tiles" && length == 9) {
+        part.tileWidth = std::uint32_t(file.integer());
+        part.tileHeight = std::uint32_t(file.integer());
+        file.skip(1);
+    } else if (name == "compression" && length == 1) {
+        part.linesOfChunk = linesOfChunk(file.byte());
+    } else if (name == "chunkCount" && length == 4) {
+        part.chunks = file.integer();
+    } else {
+        checkInside(file, type, length);
+    }
+}
+
+std::int64_t parts(std::int64_t whole, std::int64_t part) {
+    return part > 0 ? (whole + part - 1) / part : 0;
+}
+
+/// Levels of tiles add to the first.
+double fewestChunks(const Part& part) {
+    if (part.tileWidth > 0)
+        return double(parts(part.width, part.tileWidth)) * double(parts(part.height, part.tileHeight));
+    return double(std::max(parts(part.height, part.linesOfChunk), part.chunks));
+}
+
+}  // namespace
+
+void requireSoundExrHeader(const std::string& path) {
+    Reader file(path);
+    file.integer();  // the magic number
+    const bool several = Imf::isMultiPart(file.integer());
+    double chunks = 0;
+    do {
+        Part part;
+        while (!file.atEndOfHeader()) readAttribute(file, part);
+        chunks += fewestChunks(part);
+    } while (several && !file.atEndOfHeader());
+    if (chunks * 8 > 1e15) failDamaged(path, "it claims to have more pixels than a file of its size can hold");
+    file.requireMore(std::int64_t(chunks * 8));
+}
+
+}  // namespace raysweep
