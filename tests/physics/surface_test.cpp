@@ -379,6 +379,23 @@ TEST(Surface, SunAndPointShowLambertsLawAndShadows) {
     }
 }
 
+// Scans have slices farther apart than pixels, up to ten times.
+TEST(Surface, AFloorOfFlatOrTallVoxelsIsLitLikeAnyOther) {
+    for (const double height : {0.2, 1.0, 3.0, 5.0, 10.0}) {
+        const auto density = gridOf({24, 24, 8}, [](int, int, int) { return 1.0; });
+        const auto transform = openvdb::math::Transform::createLinearTransform(1.0);
+        transform->preScale(openvdb::Vec3d(1, 1, height));
+        density->setTransform(transform);
+        Scene scene = wallScene(density, 0.5);
+        scene.medium.extinction = 4.6 / std::cbrt(height);
+        const Vec3 direction = Vec3(0.3, 0.2, -1).normalized();
+        scene.suns.push_back({direction, grey(3)});
+        const Illumination lit = illuminate(scene, sweepsOf(0));
+        const float found = static_cast<const FloatGrid&>(*lit.radiosity).tree().getValue({12, 12, 7});
+        EXPECT_LE(std::abs(double(found) / (0.5 * 3 * -direction.z / kPi) - 1), 0.005) << height;
+    }
+}
+
 // Where normals are wrong by a few degrees a sphere has rings.
 TEST(Surface, SunOnASphereShowsLambertsLawWithoutRings) {
     const Frame frame{64, 0};

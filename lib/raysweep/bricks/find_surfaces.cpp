@@ -45,16 +45,19 @@ void blurAlong(PaddedField& field, int axis) {
         }
 }
 
-/// Optical depths of voxel edges around a brick, and the brick's shape.
-struct Depths {
-    const PaddedField& depth;
+Index3 nearestVoxel(const Vec3& v) {
+    const auto whole = [](double x) { return int(std::floor(x + 0.5)); };
+    return {whole(v.x), whole(v.y), whole(v.z)};
+}
+
+/// The shape of voxels: normals are directions in the world, neighbours are found in steps of voxels.
+struct VoxelShape {
     Matrix3 worldFromIndex, indexFromWorld;
-    double edge;
+    double edge;           ///< of the cube of the same volume, world units
     double stepLength[3];  ///< of a voxel along each axis, edges
 
-    Depths(const PaddedField& field, const BrickLayout& layout)
-        : depth(field),
-          worldFromIndex(layout.worldFromIndex),
+    explicit VoxelShape(const BrickLayout& layout)
+        : worldFromIndex(layout.worldFromIndex),
           indexFromWorld(layout.worldFromIndex.inverse()),
           edge(std::cbrt(layout.voxelVolume)) {
         for (int axis = 0; axis < 3; ++axis) {
@@ -64,23 +67,31 @@ struct Depths {
         }
     }
 
+    /// One edge along a direction, or less: at most one voxel along any axis, in voxels. @param direction world, unit
+    Vec3 stepAlong(const Vec3& direction) const {
+        const Vec3 step = direction * edge * indexFromWorld;
+        return step / std::max({1.0, std::abs(step.x), std::abs(step.y), std::abs(step.z)});
+    }
+};
+
+/// Optical depths of voxel edges around a brick.
+struct Depths {
+    const PaddedField& depth;
+    const VoxelShape& shape;
+
     double at(const Index3& v) const { return double(depth.at(v.x, v.y, v.z)); }
 
     /// Of the voxels in kSteps steps from voxel `v` on. @param step voxel coordinates, at most 1
     double beyond(const Index3& v, const Vec3& step) const {
-        const auto whole = [](double x) { return int(std::floor(x + 0.5)); };
         double sum = 0;
-        for (int k = 1; k <= kSteps; ++k)
-            sum += at(v + Index3(whole(k * step.x), whole(k * step.y), whole(k * step.z)));
-        return sum * (step * worldFromIndex).length() / edge;
+        for (int k = 1; k <= kSteps; ++k) sum += at(v + nearestVoxel(double(k) * step));
+        return sum * (step * shape.worldFromIndex).length() / shape.edge;
     }
 
     /// True if what is behind the voxel is opaque: no light comes out of it that has not been scattered there.
     /// @param inwards world, unit
     bool isBacked(const Index3& v, const Vec3& inwards) const {
-        const Vec3 step = inwards * edge * indexFromWorld;
-        const double longest = std::max({1.0, std::abs(step.x), std::abs(step.y), std::abs(step.z)});
-        return at(v) + beyond(v, step / longest) >= kOpaque;
+        return at(v) + beyond(v, shape.stepAlong(inwards)) >= kOpaque;
     }
 
     /// True if the voxel and all beside it are solid, and no light comes through to its other side. @param least depth
@@ -95,18 +106,15 @@ struct Depths {
                 if (double(here[stride]) < least) return false;
                 double sum = 0;
                 for (int k = 1; k <= kSteps; ++k) sum += double(here[k * stride]);
-                if (double(*here) + sum * stepLength[axis] < kOpaque) return false;
+                if (double(*here) + sum * shape.stepLength[axis] < kOpaque) return false;
             }
         return true;
     }
 };
 
-/// The normal of averaged opacity, but at edges of the solid. @param averaged gradient
-/// @param least of a plain gradient that is more than noise
-Vec3 normalFrom(const Vec3& averaged, const Vec3& plain, double least) {
-    const double length = averaged.length(), plainLength = plain.length();
-    const bool edge = averaged.dot(plain) < kEdgeCosine * length * plainLength;
-    return edge && plainLength > least ? plain / -plainLength : averaged / -length;
+/// The direction into the solid that averaged opacity tells, but at edges of the solid that of plain opacity.
+Vec3 sharpest(const Vec3& averaged, const Vec3& plain) {
+    return averaged.dot(plain) < kEdgeCosine ? plain : averaged;
 }
 
 /// Voxels that could be a surface, and became what.
@@ -120,11 +128,11 @@ struct Count {
 
 /// Marks the voxels of a brick that could be a surface with their normals, and those inside.
 /// @param tau changed
-Count markBrick(const BrickLayout& layout, PaddedField& tau, const SurfaceCriterion& criterion, NormalBrick& marks) {
+Count markBrick(const VoxelShape& shape, PaddedField& tau, const SurfaceCriterion& criterion, NormalBrick& marks) {
     const auto depths = tau.values();
     if (std::all_of(depths.begin(), depths.end(), [](float t) { return t == 0; })) return {};
     for (float& depth : depths) depth *= float(criterion.perVoxel);
-    const Depths around(tau, layout);
+    const Depths around{tau, shape};
     const double least = -std::log1p(-criterion.threshold);
     const bool uniform = std::all_of(depths.begin(), depths.end(), [&](float t) { return t == *depths.begin(); });
     PaddedField plain = tau;
@@ -138,13 +146,15 @@ Count markBrick(const BrickLayout& layout, PaddedField& tau, const SurfaceCriter
     for (int i = 0; i < kBrickVoxels; ++i) {
         const Index3 v = voxelInBrick(i);
         if (around.at(v) == 0) continue;
-        const Vec3 gradient =
-            uniform ? Vec3(0) : worldGradient(gradientAt(opacity, v.x, v.y, v.z), around.indexFromWorld);
-        const double length = gradient.length();
-        const bool steep = length * around.edge > criterion.threshold;
-        if (steep && around.isBacked(v, gradient / length)) {
-            const Vec3 unaveraged = worldGradient(gradientAt(plain, v.x, v.y, v.z), around.indexFromWorld);
-            marks.normal[i] = packNormal(normalFrom(gradient, unaveraged, criterion.threshold / around.edge));
+        // What is steep is so from voxel to voxel, however long voxels are that way.
+        const Vec3 change = uniform ? Vec3(0) : gradientAt(opacity, v.x, v.y, v.z);
+        const bool steep = change.length() > criterion.threshold;
+        const Vec3 inwards = steep ? worldGradient(change, shape.indexFromWorld).normalized() : Vec3(0);
+        if (steep && around.isBacked(v, inwards)) {
+            const Vec3 unaveraged = gradientAt(plain, v.x, v.y, v.z);
+            const bool more = unaveraged.length() > criterion.threshold;
+            marks.normal[i] = packNormal(
+                -(more ? sharpest(inwards, worldGradient(unaveraged, shape.indexFromWorld).normalized()) : inwards));
             ++count.surface;
             continue;
         }
@@ -155,12 +165,13 @@ Count markBrick(const BrickLayout& layout, PaddedField& tau, const SurfaceCriter
 }
 
 /// Part of the neighbours behind surface voxel `i` that are solid.
-double supportOf(const Marks& marks, int i) {
+double supportOf(const Marks& marks, const VoxelShape& shape, int i) {
     const Index3 v = voxelInBrick(i);
     const Vec3 normal = unpackNormal(marks.at(v.x, v.y, v.z));
     int solid = 0, all = 0;
     forEachSide([&](const Index3& side) {
-        if (side == Index3(0) || Vec3(side).dot(normal) > -0.5 * Vec3(side).length()) return;
+        const Vec3 way = Vec3(side) * shape.worldFromIndex;
+        if (side == Index3(0) || way.dot(normal) > -0.5 * way.length()) return;
         ++all;
         solid += marks.at(v.x + side.x, v.y + side.y, v.z + side.z) != 0;
     });
@@ -168,14 +179,13 @@ double supportOf(const Marks& marks, int i) {
 }
 
 /// True if surface voxel `i` faces another one across a gap too narrow for the local furnace (exchange.h).
-bool facesAnother(const DeepMarks& marks, int i) {
+bool facesAnother(const DeepMarks& marks, const VoxelShape& shape, int i) {
     const Index3 v = voxelInBrick(i);
-    const Vec3 normal = unpackNormal(marks.at(v.x, v.y, v.z));
+    const Vec3 step = shape.stepAlong(unpackNormal(marks.at(v.x, v.y, v.z)));
     bool gap = false;
     for (int k = 1; k <= kSteps; ++k) {
-        const Vec3 way = double(k) * normal + Vec3(0.5);
-        const PackedNormal there =
-            marks.at(v.x + int(std::floor(way.x)), v.y + int(std::floor(way.y)), v.z + int(std::floor(way.z)));
+        const Index3 way = v + nearestVoxel(double(k) * step);
+        const PackedNormal there = marks.at(way.x, way.y, way.z);
         if (gap && there != 0) return true;
         gap = gap || there == 0;
     }
@@ -187,6 +197,7 @@ struct Classification {
     const BrickLayout& layout;
     const BrickMap& map;
     const Periodic& periodic;
+    const VoxelShape shape;
     std::vector<NormalBrick> marks;
     std::vector<Count> counts;
 
@@ -202,7 +213,8 @@ struct Classification {
             if (counts[b].surface == 0) return;
             const auto near = around<Marks>(b);
             for (int i = 0; i < kBrickVoxels; ++i)
-                if (isSurface(marks[b].normal[i]) && supportOf(near, i) < kLeastSupport) dropped[b].set(std::size_t(i));
+                if (isSurface(marks[b].normal[i]) && supportOf(near, shape, i) < kLeastSupport)
+                    dropped[b].set(std::size_t(i));
         });
         for (std::size_t b = 0; b < marks.size(); ++b) {
             for (int i = 0; dropped[b].any() && i < kBrickVoxels; ++i)
@@ -236,7 +248,7 @@ struct Classification {
             if (counts[b].surface == 0) return;
             const auto near = around<DeepMarks>(b);
             for (int i = 0; i < kBrickVoxels; ++i)
-                if (isSurface(marks[b].normal[i])) counts[b].other += facesAnother(near, i);
+                if (isSurface(marks[b].normal[i])) counts[b].other += facesAnother(near, shape, i);
         });
     }
 
@@ -252,10 +264,11 @@ struct Classification {
 Surfaces findSurfaces(const BrickLayout& layout, const BrickMap& map, const BrickField& tau, const Periodic& periodic,
                       const SurfaceCriterion& criterion) {
     const std::size_t bricks = layout.brickCount();
-    Classification found{layout, map, periodic, std::vector<NormalBrick>(bricks), std::vector<Count>(bricks)};
+    Classification found{
+        layout, map, periodic, VoxelShape(layout), std::vector<NormalBrick>(bricks), std::vector<Count>(bricks)};
     parallelFor(bricks, [&](std::size_t b) {
         PaddedField around(layout, map, periodic, b, [&](std::size_t n) { return tau.brick(n); });
-        found.counts[b] = markBrick(layout, around, criterion, found.marks[b]);
+        found.counts[b] = markBrick(found.shape, around, criterion, found.marks[b]);
     });
     found.dropUnsupported();
     Surfaces surfaces;

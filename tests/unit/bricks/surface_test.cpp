@@ -94,6 +94,50 @@ TEST(SurfaceVoxels, NormalsAreWorldVectors) {
     EXPECT_LE((unpackNormal(normals[offsetInBrick(voxel)]) - exact).length(), 0.003);
 }
 
+// Slices of scans are several times as far apart as pixels.
+TEST(SurfaceVoxels, AFaceAcrossLongVoxelsIsASurface) {
+    for (const double length : {0.2, 6.0, 10.0}) {
+        Block block([](const Index3& v) { return v.z < 0 ? 4.6 : 0.0; });
+        block.layout.worldFromIndex = Matrix3(1, 0, 0, 0, 1, 0, 0, 0, length);
+        block.layout.voxelVolume = length;
+        const Surfaces surfaces =
+            findSurfaces(block.layout, BrickMap(block.layout), block.field, {true, true, false}, {1, 0.1});
+        EXPECT_EQ(countSurfaceVoxels(surfaces), 4u * 16 * 16) << length;
+        EXPECT_FALSE(surfaces.mixed);
+    }
+}
+
+// Mirrored (as files of RAS places are), with axes that change places, turned, and both: the same voxels, their normals
+// turned.
+TEST(SurfaceVoxels, TheWayThatTheGridLiesChangesNothing) {
+    const auto ball = [](const Index3& v) {
+        return 4.6 * std::clamp(6.5 - (Vec3(v) - Vec3(-0.3, 0.1, -0.4)).length(), 0.0, 1.0);
+    };
+    // Depth enough behind each face, and a gap that is too narrow for the local furnace.
+    const auto gap = [](const Index3& v) { return v.x + v.y == 1 ? 0.0 : 4.6; };
+    const double s = std::sqrt(0.5);
+    Block straight(ball), narrow(gap);
+    const Surfaces expected = surfacesOf(straight), mixed = surfacesOf(narrow);
+    ASSERT_GT(countSurfaceVoxels(expected), 500u);
+    ASSERT_FALSE(expected.mixed);
+    ASSERT_TRUE(mixed.mixed);
+    for (const Matrix3& turn : {Matrix3(-1, 0, 0, 0, -1, 0, 0, 0, 1), Matrix3(0, 1, 0, 0, 0, 1, 1, 0, 0),
+                                Matrix3(s, s, 0, -s, s, 0, 0, 0, 1), Matrix3(-s, 0, s, 0, -1, 0, s, 0, s)}) {
+        straight.layout.worldFromIndex = narrow.layout.worldFromIndex = turn;
+        const Surfaces turned = surfacesOf(straight);
+        EXPECT_EQ(countSurfaceVoxels(turned), countSurfaceVoxels(expected));
+        EXPECT_FALSE(turned.mixed);
+        EXPECT_TRUE(surfacesOf(narrow).mixed);
+        for (std::size_t b = 0; b < straight.layout.brickCount(); ++b)
+            for (int i = 0; i < kBrickVoxels; ++i) {
+                const PackedNormal before = expected.normals(b)[i], after = turned.normals(b)[i];
+                ASSERT_EQ(isSurface(before), isSurface(after));
+                // As exact as packed normals are.
+                if (isSurface(before)) EXPECT_LE((unpackNormal(before) * turn - unpackNormal(after)).length(), 0.003);
+            }
+    }
+}
+
 // The normals that Lambert's law is applied to: a sphere as levelSetToSolid makes it, its edge one voxel soft.
 TEST(SurfaceVoxels, NormalsOfASphereAreThoseOfTheSphere) {
     const Vec3 middle(-0.3, 0.1, -0.4);
