@@ -42,7 +42,10 @@ bool leaveOutSurfaces(GridType& grid, const SolverState& state, const openvdb::m
 
 template <class GridType>
 openvdb::GridBase::Ptr shownGrid(const GridType& emission, const SolverState& state, const Medium& medium) {
-    requireMemory(double(emission.activeVoxelCount()) / kBrickVoxels, sizeof(typename GridType::ValueType));
+    const auto inLeaves = emission.tree().activeLeafVoxelCount();
+    const double leaves =
+        double(emission.tree().leafCount()) + double(emission.activeVoxelCount() - inLeaves) / kBrickVoxels;
+    requireMemory(leaves, sizeof(typename GridType::ValueType));
     const auto shown = withVoxelsOf<GridType>(emission);
     const auto scale = float(medium.emissionScale);
     setActive(*shown, [&] {

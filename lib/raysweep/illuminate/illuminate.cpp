@@ -51,6 +51,7 @@ void requireFinite(const Illumination& result, const Scene& scene) {
     if (!finite) throw InvalidArgument("the power balance is infinite or not a number: " + cause);
     requireFiniteResult(*result.radiosity, cause);
     if (result.unshot) requireFiniteResult(*result.unshot, cause);
+    if (result.emission) requireFiniteResult(*result.emission, cause);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ class TransmittanceAlongRay {
 
     /// The next step, of the opacity `opacity` > 0, where `before` of the light from its beginning reaches the eye.
     void add(double begin, double end, double before, double opacity) {
-        steps_.push_back({begin, end, before, -std::log1p(-opacity)});
+        steps_.push_back({begin, end, before, std::fmin(-std::log1p(-opacity), kDark)});
         after_ = before * (1 - opacity);
     }
 
@@ -57,6 +57,8 @@ class TransmittanceAlongRay {
         return depth < kThin ? 1 - depth / 2 + depth * depth / 6 : -std::expm1(-depth) / depth;
     }
 
+    /// Optical depth behind which nothing is seen. An opacity of 1, which is any above 17 in floats, tells none.
+    static constexpr double kDark = 700;
     std::vector<Step> steps_;
     std::size_t next_ = 0;
     double after_ = 1;

@@ -237,3 +237,12 @@ TEST(TransmittanceAlongRay, IsIntegratedWhereItIsConstantAndWhereItFalls) {
     seen.endInTheDark();
     EXPECT_EQ(seen.integral(8, 9), 0);
 }
+
+// A float's opacity is 1 from a depth of 17 on.
+TEST(TransmittanceAlongRay, NothingComesThroughAStepOfOpacityOne) {
+    TransmittanceAlongRay seen;
+    seen.add(2, 3, 1, 1);
+    EXPECT_NEAR(seen.integral(1, 2), 1, 1e-12);
+    EXPECT_NEAR(seen.integral(2, 3), 0, 1.0 / 700 + 1e-12);  // of the depth that stands for it
+    EXPECT_EQ(seen.integral(3, 4), 0);
+}
