@@ -259,14 +259,17 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
 }
 
 /// Sweeps the white furnace until hardly any of it is unshot, or that would take too long.
-void settleFurnace(Solver& solver, SolverState& state, const ProgressCallback& progress) {
+void settleFurnace(Solver& solver, SolverState& state, const ProgressCallback& progress, Termination& termination) {
     if (!state.solid.white.present()) return;
     const int most = std::max(kFewestFurnaceSweeps, 2 * state.power.injections);
     double left = unshotShareOfFurnace(state);
     for (int sweeps = 0; sweeps < most && left > kFurnaceUnshot; ++sweeps) {
         solver.sweepFurnaceNext();
         if (sweeps % kFinishInterval == 0) left = unshotShareOfFurnace(state);
-        if (!report(progress, "furnace", double(sweeps) / most)) break;
+        if (!report(progress, "furnace", double(sweeps) / most)) {
+            termination = Termination::interrupted;
+            break;
+        }
     }
     state.solid.white.settled = left <= kFurnaceUnshot;
 }
@@ -334,7 +337,7 @@ SweepRecord runSweeps(SolverState& state, const SweepJob& job) {
     const bool finish = !coarse && shoot && !stopped;
     if (finish) record.finishingSweeps = shootRemaining(solver, state, enough, job.progress, record.termination);
     if (recorder) recorder->end();
-    if (!stopped) settleFurnace(solver, state, job.progress);
+    if (!stopped) settleFurnace(solver, state, job.progress, record.termination);
     if (coarse) settleOnCoarse(*coarse, state, enough, job, record);
     // Asked to stop, spreading is the quickest way to an answer that has all the power.
     else if (!finish && options.remaining != Remaining::drop)
