@@ -6,6 +6,9 @@
 #include "raysweep/volume/active_values.h"
 #include "raysweep/volume/voxels_of.h"
 
+#include <openvdb/tools/Activate.h>
+#include <openvdb/tools/Prune.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -87,14 +90,22 @@ openvdb::Vec3s colourOf(double heat) {
     return colour;
 }
 
-openvdb::FloatGrid::Ptr makeGrid(const PhantomOptions& options, const char* name) {
+openvdb::math::Transform::Ptr transformOf(const PhantomOptions& options) {
     const double h = options.voxelSize > 0 ? options.voxelSize : 2.0 / options.size;
     const auto transform = openvdb::math::Transform::createLinearTransform(h);
     transform->postTranslate(openvdb::Vec3d(options.size - 1) * (-0.5 * h));
-    const auto grid = openvdb::FloatGrid::create(0.0f);
-    grid->setTransform(transform);
-    grid->setName(name);
-    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    return transform;
+}
+
+/// What `value` makes of each voxel; where that is 0 there is none.
+template <class GridType, class Both, class Value>
+typename GridType::Ptr partOf(const Both& both, const Value& value) {
+    const auto grid = withVoxelsOf<GridType>(both);
+    setActive(*grid, [&] {
+        return [&, in = both.getConstUnsafeAccessor()](const openvdb::Coord& at) { return value(in.getValue(at)); };
+    });
+    openvdb::tools::deactivate(grid->tree(), openvdb::zeroVal<typename GridType::ValueType>());
+    openvdb::tools::pruneInactive(grid->tree());
     return grid;
 }
 
@@ -109,20 +120,23 @@ Explosion makeExplosion(const PhantomOptions& options) {
     const auto near = [&](const Vec3& centre, int&) {
         return outside(balls, centre * scale) <= 1.7 * kBump + kFlame + kLeafRadius * scale;
     };
+    // Smoke and heat of a voxel come from the same noise.
+    using BothGrid = openvdb::Grid<openvdb::tree::Tree4<openvdb::Vec2s, 5, 4, 3>::Type>;
+    BothGrid both;
+    both.setTransform(transformOf(options));
+    fillLeaves<int>(
+        both, region, near,
+        [&](const Vec3& p, int) {
+            const State state = stateAt(balls, p * scale, options.seed);
+            return openvdb::Vec2s(float(options.density * smokeOf(state)), float(state.heat));
+        },
+        sizeof(openvdb::Vec2s) + sizeof(float) + sizeof(openvdb::Vec3s));
     Explosion explosion;
-    explosion.density = makeGrid(options, "density");
-    fillLeaves<int>(*explosion.density, region, near, [&](const Vec3& p, int) {
-        return options.density * smokeOf(stateAt(balls, p * scale, options.seed));
-    });
-    const openvdb::FloatGrid::Ptr heat = makeGrid(options, "heat");
-    fillLeaves<int>(*heat, region, near,
-                    [&](const Vec3& p, int) { return stateAt(balls, p * scale, options.seed).heat; });
-    explosion.fire = withVoxelsOf<openvdb::Vec3SGrid>(*heat);
-    setActive(*explosion.fire, [&] {
-        return [in = heat->getConstUnsafeAccessor()](const openvdb::Coord& at) {
-            return colourOf(double(in.getValue(at)));
-        };
-    });
+    explosion.density = partOf<openvdb::FloatGrid>(both, [](const openvdb::Vec2s& v) { return v[0]; });
+    explosion.density->setName("density");
+    explosion.density->setGridClass(openvdb::GRID_FOG_VOLUME);
+    explosion.fire = partOf<openvdb::Vec3SGrid>(
+        both, [](const openvdb::Vec2s& v) { return v[1] > 0 ? colourOf(double(v[1])) : openvdb::Vec3s(0); });
     explosion.fire->setName("fire");
     explosion.fire->setGridClass(openvdb::GRID_FOG_VOLUME);
     return explosion;

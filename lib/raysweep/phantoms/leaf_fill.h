@@ -1,4 +1,4 @@
-/// Filling a float grid with a density that is a function of position, leaf by leaf, several at a time.
+/// Filling a grid with what is a function of position, leaf by leaf, several at a time.
 #pragma once
 
 #include "raysweep/core/memory.h"
@@ -38,13 +38,17 @@ void requireRoomForLeaves(std::size_t count, std::size_t bytesPerVoxel, const Us
     requireMemory(samples > 0 ? double(hits) / double(samples) * double(count) : 0, bytesPerVoxel);
 }
 
-/// Activates the voxels of `region` for which `density(position, leafData)` is above 0; `position` is the voxel's
-/// index relative to the middle. `prepare(centre, leafData)` is called before, once per leaf; where it returns false
-/// the leaf is empty.
+/// Activates the voxels of `region` for which `valueAt(position, leafData)` is above 0, or is a vector that is not 0;
+/// `position` is the voxel's index relative to the middle. `prepare(centre, leafData)` is called before, once per leaf;
+/// where it returns false the leaf is empty.
+/// @param bytesPerVoxel memory that there must be for what becomes of the grid
 /// @throw InvalidArgument if there is not enough memory
-template <class LeafData, class Prepare, class Density>
-void fillLeaves(openvdb::FloatGrid& grid, const FillRegion& region, const Prepare& prepare, const Density& density) {
-    using Leaf = openvdb::FloatTree::LeafNodeType;
+template <class LeafData, class GridType, class Prepare, class ValueAt>
+void fillLeaves(GridType& grid, const FillRegion& region, const Prepare& prepare, const ValueAt& valueAt,
+                std::size_t bytesPerVoxel = sizeof(typename GridType::ValueType)) {
+    using Leaf = typename GridType::TreeType::LeafNodeType;
+    using Value = typename GridType::ValueType;
+    const Value none = openvdb::zeroVal<Value>();
     const auto fromMiddle = [&](const openvdb::Coord& ijk) { return Vec3(ijk.x(), ijk.y(), ijk.z()) - region.middle; };
     std::vector<openvdb::Coord> origins;
     const openvdb::Coord first = region.box.min() & ~7, last = region.box.max() & ~7;
@@ -53,7 +57,7 @@ void fillLeaves(openvdb::FloatGrid& grid, const FillRegion& region, const Prepar
     for (int x = first.x(); x <= last.x(); x += 8)
         for (int y = first.y(); y <= last.y(); y += 8)
             for (int z = first.z(); z <= last.z(); z += 8) origins.emplace_back(x, y, z);
-    requireRoomForLeaves(origins.size(), sizeof(float), [&](std::size_t n) {
+    requireRoomForLeaves(origins.size(), bytesPerVoxel, [&](std::size_t n) {
         LeafData data;
         return prepare(fromMiddle(origins[n]) + Vec3(3.5), data);
     });
@@ -61,12 +65,16 @@ void fillLeaves(openvdb::FloatGrid& grid, const FillRegion& region, const Prepar
     parallelFor(origins.size(), [&](std::size_t n) {
         LeafData data;
         if (!prepare(fromMiddle(origins[n]) + Vec3(3.5), data)) return;
-        auto leaf = std::make_unique<Leaf>(origins[n], 0.0f);
+        auto leaf = std::make_unique<Leaf>(origins[n], none);
         for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
             const openvdb::Coord ijk = leaf->offsetToGlobalCoord(offset);
             if (!region.box.isInside(ijk)) continue;
-            const double value = density(fromMiddle(ijk), data);
-            if (value > 0) leaf->setValueOn(offset, float(value));
+            const Value value(valueAt(fromMiddle(ijk), data));
+            if constexpr (openvdb::VecTraits<Value>::IsVec) {
+                if (value != none) leaf->setValueOn(offset, value);
+            } else if (value > none) {
+                leaf->setValueOn(offset, value);
+            }
         }
         if (!leaf->isEmpty()) made[n] = std::move(leaf);
     });
