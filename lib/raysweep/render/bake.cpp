@@ -1,5 +1,6 @@
 #include "raysweep/render/bake.h"
 
+#include "raysweep/core/memory.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/mesh/mesh_shells.h"
@@ -106,7 +107,9 @@ void forEachTexel(const TriangleMesh& mesh, const TriangleMesh::Triangle& t, int
         p[i] = {double(mesh.texture[t[i]][0]) * side, (1 - double(mesh.texture[t[i]][1])) * side};
     const double area = (p[1] - p[0]).cross(p[2] - p[0]);
     if (area == 0 || !std::isfinite(area)) return;
-    const auto first = [&](int axis) { return std::max(0.0, std::min({p[0][axis], p[1][axis], p[2][axis]}) - 0.5); };
+    const auto first = [&](int axis) {
+        return std::clamp(std::min({p[0][axis], p[1][axis], p[2][axis]}) - 0.5, 0.0, double(side));
+    };
     const auto last = [&](int axis) { return std::min(side - 1.0, std::max({p[0][axis], p[1][axis], p[2][axis]})); };
     for (int y = int(std::ceil(first(1))); y <= last(1); ++y)
         for (int x = int(std::ceil(first(0))); x <= last(0); ++x) {
@@ -118,6 +121,10 @@ void forEachTexel(const TriangleMesh& mesh, const TriangleMesh::Triangle& t, int
 }
 
 std::vector<Place> atlasPlaces(const TriangleMesh& mesh, const std::vector<Vec3>& normals, int side) {
+    const double texels = double(side) * double(side);
+    requireBytes(texels * double(sizeof(Place) + 3 * sizeof(float) + 2),
+                 "atlas of " + std::to_string(side) + " x " + std::to_string(side) + " pixels needs",
+                 "make it smaller");
     std::vector<Place> places(std::size_t(side) * std::size_t(side), Place{Vec3(0), Vec3(0)});
     for (const TriangleMesh::Triangle& t : mesh.triangles)
         forEachTexel(mesh, t, side, [&](std::size_t texel, const Vec3& w) {
