@@ -2,6 +2,7 @@
 
 #include "cli.h"
 
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/core/target_path.h"
 
 #include <map>
@@ -21,6 +22,7 @@ struct Role {
 struct Named {
     std::string option, path;
     Kind kind;
+    FileIdentity identity;
 };
 
 /// Options live as long as the program.
@@ -41,7 +43,7 @@ std::string nameOf(const CLI::Option& option) {
 void add(std::vector<Named>& files, const CLI::Option& option, const Role& role) {
     for (const std::string& value : option.results())
         for (const std::string& path : role.names ? role.names(value) : std::vector<std::string>{value})
-            if (!path.empty()) files.push_back({nameOf(option), path, role.kind});
+            if (!path.empty()) files.push_back({nameOf(option), path, role.kind, FileIdentity(path)});
 }
 
 std::vector<Named> filesOf(const CLI::App& command) {
@@ -52,7 +54,8 @@ std::vector<Named> filesOf(const CLI::App& command) {
     }
     const CLI::App* const program = command.get_parent();
     if (const CLI::Option* config = program ? program->get_config_ptr() : nullptr)
-        for (const std::string& path : config->results()) files.push_back({"--config", path, Kind::input});
+        for (const std::string& path : config->results())
+            files.push_back({"--config", path, Kind::input, FileIdentity(path)});
     return files;
 }
 
@@ -60,21 +63,32 @@ bool isFolder(const Named& file) {
     return file.kind == Kind::folder || file.kind == Kind::replacedFolder;
 }
 
-/// What is written to `output` would harm `other`.
-bool harms(const Named& output, const Named& other) {
-    if (sameFile(output.path, other.path)) return true;
-    if (!isFolder(output)) return false;
-    return (other.kind == Kind::input || output.kind == Kind::replacedFolder) && isWithin(other.path, output.path);
-}
-
-void requireApart(const Named& output, const Named& other) {
-    if (!harms(output, other)) return;
+[[noreturn]] void refuse(const Named& output, const Named& other) {
     const std::string also =
         other.option == output.option ? "also names that file"
-        : isFolder(output) && !sameFile(output.path, other.path)
-            ? "holds '" + other.path + "' (" + other.option + ")"
-            : "is also " + other.option + (other.path == output.path ? "" : " '" + other.path + "'");
+        : output.identity == other.identity
+            ? "is also " + other.option + (other.path == output.path ? "" : " '" + other.path + "'")
+            : "holds '" + other.path + "' (" + other.option + ")";
     usageError(output.option, "'" + output.path + "' would be written, but " + also + "; choose another name");
+}
+
+/// Refuses a name that is there twice, unless it is only read. There may be thousands, of a series.
+void requireDifferent(const std::vector<Named>& files) {
+    std::map<FileIdentity, const Named*> seen;
+    for (const Named& file : files) {
+        const auto [other, isNew] = seen.emplace(file.identity, &file);
+        if (isNew) continue;
+        if (file.kind != Kind::input) refuse(file, *other->second);
+        if (other->second->kind != Kind::input) refuse(*other->second, file);
+    }
+}
+
+/// Refuses a folder that is filled where something that is read lies in it, or anything if all that is in it goes.
+void requireNothingWithin(const Named& folder, const std::vector<Named>& files) {
+    for (const Named& other : files)
+        if ((other.kind == Kind::input || folder.kind == Kind::replacedFolder) &&
+            other.identity.isWithin(folder.identity))
+            refuse(folder, other);
 }
 
 /// Text that is not given is no value: it would be taken for 0, or for an option that was left out.
@@ -102,11 +116,11 @@ CLI::Option* fills(CLI::Option* option, bool replaced) {
 void requireFilesApart(const CLI::App& command) {
     requireValues(command);
     const std::vector<Named> files = filesOf(command);
-    for (std::size_t n = 0; n < files.size(); ++n)
-        for (std::size_t other = 0; other < files.size(); ++other) {
-            const bool once = files[other].kind == Kind::input || isFolder(files[n]) || other < n;
-            if (other != n && files[n].kind != Kind::input && once) requireApart(files[n], files[other]);
-        }
+    requireDifferent(files);
+    for (const Named& file : files) {
+        if (isFolder(file)) requireNothingWithin(file, files);
+        if (file.kind == Kind::output) noteOutput(file.path);
+    }
 }
 
 }  // namespace raysweep::apps

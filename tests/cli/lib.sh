@@ -65,18 +65,14 @@ start_interruptible() {
     (trap - INT && exec "$@") >"$work/.out" 2>"$work/.err" &
 }
 
-# wait_for_work PROCESS: until it has worked for about a second, however long that takes on a busy machine.
-wait_for_work() {
+# interrupt_after_work PROCESS: Ctrl-C once it has worked for about a second, however long that takes on a busy machine. Returns its
+# exit code.
+interrupt_after_work() {
     local ticks=0
     while [ "${ticks:-9999}" -lt "$(getconf CLK_TCK)" ]; do
         sleep 0.1
         ticks=$(awk '{print $14}' "/proc/$1/stat" 2>/dev/null)
     done
-}
-
-# interrupt_after_work PROCESS: Ctrl-C once it is well under way. Returns its exit code.
-interrupt_after_work() {
-    wait_for_work "$1"
     kill -INT "$1"
     wait "$1"
 }

@@ -97,7 +97,8 @@ refuse 1 "cannot read" "$raysweep" photo missing.json -o new2.vdb --save-mattes 
 started() {  # runs in the background with a snapshot every sweep, so that there is always something being written
     start_interruptible "$raysweep" light big.vdb -o signal.vdb --sky 1 --sun 0,0,-1,3 --tolerance 0 --sweeps 100000 --snapshots 1 \
         --quiet
-    wait_for_work $!
+    for _ in $(seq 1200); do compgen -G 'signal_*.vdb' >/dev/null && break || sleep 0.05; done
+    compgen -G 'signal_*.vdb' >/dev/null || fail "nothing was written within a minute"
 }
 "$raysweep" generate cloud -o big.vdb --size 64
 for signal in TERM HUP; do

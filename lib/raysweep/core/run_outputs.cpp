@@ -26,7 +26,7 @@ using Inode = std::pair<dev_t, ino_t>;
 struct Run {
     std::vector<Waiting> waiting;
     std::vector<fs::path> folders;  ///< that were made, outer ones first
-    std::set<Inode> inputs;
+    std::set<Inode> inputs, outputs;
 };
 
 std::mutex runLock;
@@ -62,10 +62,19 @@ void commitRunOutputs() {
     run->folders.clear();
 }
 
+void noteOutput(const std::string& target) {
+    const std::lock_guard<std::mutex> hold(runLock);
+    Inode inode;
+    if (run && inodeOf(target, inode)) run->outputs.insert(inode);
+}
+
 void noteInput(const std::string& path) {
     const std::lock_guard<std::mutex> hold(runLock);
     Inode inode;
-    if (run && inodeOf(path, inode)) run->inputs.insert(inode);
+    if (!run || !inodeOf(path, inode)) return;
+    if (run->outputs.count(inode) > 0)
+        throw IoError("'" + path + "' would be written, but is also read; choose another name for the output");
+    run->inputs.insert(inode);
 }
 
 void requireNotRead(const std::string& target) {
@@ -92,11 +101,13 @@ void makeOutputFolder(const std::string& folder) {
     for (fs::path at = folder; !at.empty() && !fs::exists(at, error) && at != at.parent_path(); at = at.parent_path())
         if (at.has_filename()) made.insert(made.begin(), at);
     fs::create_directories(folder, error);
+    {
+        const std::lock_guard<std::mutex> hold(runLock);  // some may be there even if the last cannot be made
+        if (run) run->folders.insert(run->folders.end(), made.begin(), made.end());
+    }
     if (error || !fs::is_directory(folder, error))
         throw IoError("cannot make the folder '" + folder +
                       "': " + (error ? error.message() : "there is a file of that name"));
-    const std::lock_guard<std::mutex> hold(runLock);
-    if (run) run->folders.insert(run->folders.end(), made.begin(), made.end());
 }
 
 }  // namespace raysweep

@@ -23,7 +23,10 @@ class RunOutputs {
 /// its members. @throw IoError if a file cannot be moved; those after it are removed with the RunOutputs
 void commitRunOutputs();
 
-/// Remembers a file that is read.
+/// Remembers a file that will be replaced, so that it is not read.
+void noteOutput(const std::string& target);
+
+/// Remembers a file that is read. @throw IoError if it will be replaced
 void noteInput(const std::string& path);
 
 /// @throw IoError if `target` is a file that this run has read

@@ -11,14 +11,15 @@ namespace fs = std::filesystem;
 namespace raysweep {
 namespace {
 
-/// Linux shows open files as links, of which some say a name where there is no file.
+/// Linux shows open files as links in /proc/PROCESS/fd, of which some say a name where there is no file.
 bool isStream(const fs::path& path) {
-    const fs::path folder = path.parent_path();
+    std::error_code ignored;
+    const fs::path named = path.parent_path(), folder = fs::canonical(named.empty() ? "." : named, ignored);
     return folder.filename() == "fd" && folder.string().rfind("/proc/", 0) == 0;
 }
 
 /// Where it is, without links, "." and "..", and without a slash at its end; the text itself where that cannot be told.
-fs::path placeOf(const std::string& path) {
+std::string placeOf(const std::string& path) {
     std::error_code failed;
     fs::path place;
     try {
@@ -27,7 +28,7 @@ fs::path placeOf(const std::string& path) {
         return path;
     }
     if (failed) place = fs::path(path).lexically_normal();
-    return place.has_filename() ? place : place.parent_path();
+    return (place.has_filename() ? place : place.parent_path()).string();
 }
 
 }  // namespace
@@ -44,15 +45,14 @@ std::string throughLinks(const std::string& path) {
     return at.string();
 }
 
-bool sameFile(const std::string& a, const std::string& b) {
-    struct stat inodeA, inodeB;
-    const bool existsA = ::stat(a.c_str(), &inodeA) == 0, existsB = ::stat(b.c_str(), &inodeB) == 0;
-    if (existsA && existsB) return inodeA.st_dev == inodeB.st_dev && inodeA.st_ino == inodeB.st_ino;
-    return placeOf(a) == placeOf(b);
+FileIdentity::FileIdentity(const std::string& path) : place_(placeOf(path)), key_(place_) {
+    struct stat found;
+    if (::stat(place_.c_str(), &found) == 0)
+        key_ = "inode " + std::to_string(found.st_dev) + " " + std::to_string(found.st_ino);
 }
 
-bool isWithin(const std::string& path, const std::string& folder) {
-    const fs::path from = placeOf(path).lexically_relative(placeOf(folder));
+bool FileIdentity::isWithin(const FileIdentity& folder) const {
+    const fs::path from = fs::path(place_).lexically_relative(folder.place_);
     return !from.empty() && from != "." && *from.begin() != "..";
 }
 

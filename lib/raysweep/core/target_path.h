@@ -10,11 +10,18 @@ namespace raysweep {
 /// @throw IoError if links go round in a circle
 std::string throughLinks(const std::string& path);
 
-/// True if both name one file or folder, however they are spelt: the same inode where there is one (symbolic and hard
-/// links, file systems that do not tell small letters from capitals), else the same place after links, "." and "..".
-bool sameFile(const std::string& a, const std::string& b);
+/// What tells files and folders apart, however they are spelt: the inode where there is one (symbolic and hard links,
+/// file systems that do not tell small letters from capitals), else the place after links, "." and "..".
+class FileIdentity {
+  public:
+    explicit FileIdentity(const std::string& path);
+    bool operator==(const FileIdentity& other) const { return key_ == other.key_; }
+    bool operator<(const FileIdentity& other) const { return key_ < other.key_; }
+    /// True if it is in `folder`, or in a folder in it.
+    bool isWithin(const FileIdentity& folder) const;
 
-/// True if `path` is in `folder`, or in a folder in it.
-bool isWithin(const std::string& path, const std::string& folder);
+  private:
+    std::string place_, key_;
+};
 
 }  // namespace raysweep

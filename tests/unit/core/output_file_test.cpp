@@ -7,6 +7,7 @@
 #include "raysweep/core/target_path.h"
 #include "raysweep/core/text_file.h"
 #include "support/expect_error.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -14,27 +15,14 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace fs = std::filesystem;
 using namespace raysweep;
+using test::contentsOf;
+using test::entriesOf;
+using test::writeBytes;
 
 namespace {
-
-void put(const fs::path& path, const std::string& text) {
-    std::ofstream(path) << text;
-}
-
-std::string textOf(const fs::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-}
-
-std::size_t entries(const fs::path& folder) {
-    return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
-}
 
 unsigned modeOf(const fs::path& path) {
     struct stat found = {};
@@ -48,14 +36,14 @@ TEST(OutputFile, AppearsWhenItIsCommittedAndNotOtherwise) {
     const test::TemporaryFolder around;
     {
         OutputFile file(around / "new.vdb");
-        put(file.temporary(), "lost");
+        writeBytes(file.temporary(), "lost");
         EXPECT_FALSE(fs::exists(around / "new.vdb"));
         EXPECT_EQ(fs::path(file.temporary()).extension(), ".vdb");
     }
     EXPECT_TRUE(around.isEmpty());
     writeText(around / "new.vdb", "kept");
-    EXPECT_EQ(textOf(around / "new.vdb"), "kept");
-    EXPECT_EQ(entries(around.path()), 1u);
+    EXPECT_EQ(contentsOf(around / "new.vdb"), "kept");
+    EXPECT_EQ(entriesOf(around.path()), 1u);
 }
 
 // Two processes, or a program that was stopped and one that is not, never share a temporary; and while it is written,
@@ -69,11 +57,11 @@ TEST(OutputFile, TemporariesAreNewFilesOfTheirOwn) {
 
 TEST(OutputFile, HandsOnPermissions) {
     const test::TemporaryFolder around;
-    put(around / "old", "old");
+    writeBytes(around / "old", "old");
     fs::permissions(around / "old", fs::perms(0640));
     writeText(around / "old", "new");
     EXPECT_EQ(modeOf(around / "old"), 0640u);
-    EXPECT_EQ(textOf(around / "old"), "new");
+    EXPECT_EQ(contentsOf(around / "old"), "new");
     const mode_t mask = ::umask(0);
     ::umask(mask);
     writeText(around / "fresh", "new");
@@ -82,7 +70,7 @@ TEST(OutputFile, HandsOnPermissions) {
 
 TEST(OutputFile, RefusesWhatItCannotReplace) {
     const test::TemporaryFolder around;
-    put(around / "closed", "precious");
+    writeBytes(around / "closed", "precious");
     fs::permissions(around / "closed", fs::perms(0444));
     ::mkfifo((around / "pipe").c_str(), 0600);
     fs::create_symlink("loop", around / "loop");
@@ -93,24 +81,24 @@ TEST(OutputFile, RefusesWhatItCannotReplace) {
     test::expectError<IoError>([&] { OutputFile(around / "no/file"); }, "does not exist; create it first");
     test::expectError<IoError>([&] { OutputFile(around / "folder/"); }, "it names a folder");
     test::expectError<IoError>([&] { OutputFile(around / std::string(256, 'n')); }, "too long");
-    EXPECT_EQ(textOf(around / "closed"), "precious");
+    EXPECT_EQ(contentsOf(around / "closed"), "precious");
     writeText(around / std::string(255, 'n'), "the longest name there is");
 }
 
 TEST(OutputFile, WritesToWhatALinkLeadsTo) {
     const test::TemporaryFolder around;
     fs::create_directory(around / "there");
-    put(around / "there/old", "old");
+    writeBytes(around / "there/old", "old");
     fs::create_symlink("there/old", around / "link");
     fs::create_symlink("link", around / "second");
     fs::create_symlink("there/new", around / "dangling");
     writeText(around / "second", "new");
     writeText(around / "dangling", "fresh");
-    EXPECT_EQ(textOf(around / "there/old"), "new");
-    EXPECT_EQ(textOf(around / "there/new"), "fresh");
+    EXPECT_EQ(contentsOf(around / "there/old"), "new");
+    EXPECT_EQ(contentsOf(around / "there/new"), "fresh");
     EXPECT_TRUE(fs::is_symlink(around / "link") && fs::is_symlink(around / "second"));
-    EXPECT_EQ(entries(around.path()), 4u);
-    EXPECT_EQ(entries(around / "there"), 2u);
+    EXPECT_EQ(entriesOf(around.path()), 4u);
+    EXPECT_EQ(entriesOf(around / "there"), 2u);
 }
 
 TEST(RunOutputs, OutputsAppearTogetherOrNotAtAll) {
@@ -135,15 +123,15 @@ TEST(RunOutputs, OutputsAppearTogetherOrNotAtAll) {
         commitRunOutputs();
         writeText(around / "late", "never");
     }
-    EXPECT_EQ(textOf(around / "one"), "1");
-    EXPECT_EQ(textOf(around / "two/a"), "2");
+    EXPECT_EQ(contentsOf(around / "one"), "1");
+    EXPECT_EQ(contentsOf(around / "two/a"), "2");
     EXPECT_TRUE(fs::is_directory(around / "three/four"));
-    EXPECT_EQ(entries(around.path()), 3u);
+    EXPECT_EQ(entriesOf(around.path()), 3u);
 }
 
 TEST(RunOutputs, NoFileThatWasReadIsReplaced) {
     const test::TemporaryFolder around;
-    put(around / "in", "precious");
+    writeBytes(around / "in", "precious");
     fs::create_hard_link(around / "in", around / "hard");
     fs::create_symlink("in", around / "soft");
     {
@@ -152,32 +140,34 @@ TEST(RunOutputs, NoFileThatWasReadIsReplaced) {
         for (const char* name : {"in", "hard", "soft"})
             test::expectError<IoError>([&] { writeText(around / name, "new"); }, "one of the files that were read");
     }
+    {
+        const RunOutputs run;
+        noteOutput(around / "soft");
+        noteOutput(around / "not there yet");
+        test::expectError<IoError>([&] { bytesOfFile(around / "hard", "text"); }, "would be written, but is also read");
+    }
     writeText(around / "in", "new");  // outside of a run who reads and writes knows what is meant
-    EXPECT_EQ(textOf(around / "hard"), "precious");
+    EXPECT_EQ(contentsOf(around / "hard"), "precious");
 }
 
 TEST(TargetPath, OneFileUnderSeveralNames) {
     const test::TemporaryFolder around;
     fs::create_directory(around / "sub");
-    put(around / "a", "");
-    put(around / "b", "");
+    writeBytes(around / "a", "");
+    writeBytes(around / "b", "");
     fs::create_hard_link(around / "a", around / "sub/hard");
     fs::create_symlink("../a", around / "sub/soft");
     fs::create_symlink("..", around / "sub/up");
     fs::create_symlink("nowhere", around / "dangling");
-    const std::string a = around / "a";
+    const auto named = [&](const char* name) { return FileIdentity(around / name); };
     for (const char* name : {"a", "./a", "sub/../a", "missing/../a", "sub/hard", "sub/soft", "sub/up/a"})
-        EXPECT_TRUE(sameFile(a, around / name)) << name;
-    EXPECT_FALSE(sameFile(a, around / "b"));
-    EXPECT_FALSE(sameFile(a, around / "A"));
-    EXPECT_TRUE(sameFile(around / "sub", around / "sub/"));
-    EXPECT_TRUE(sameFile(around / "new", around / "sub/../new"));
-    EXPECT_TRUE(sameFile(around / "new", around / "sub/up/new"));
-    EXPECT_TRUE(sameFile(around / "dangling", around / "nowhere"));
-    EXPECT_FALSE(sameFile(around / "new", around / "newer"));
-    EXPECT_TRUE(isWithin(a, around.path().string()));
-    EXPECT_TRUE(isWithin(around / "sub/up/sub/new", around / "sub"));
-    EXPECT_FALSE(isWithin(a, around / "sub"));
-    EXPECT_FALSE(isWithin(around / "sub", around / "sub"));
-    EXPECT_FALSE(isWithin(around / "subway", around / "sub"));
+        EXPECT_TRUE(named("a") == named(name)) << name;
+    for (const auto& [one, other] : {std::pair("sub", "sub/"), std::pair("new", "sub/../new"),
+                                     std::pair("new", "sub/up/new"), std::pair("dangling", "nowhere")})
+        EXPECT_TRUE(named(one) == named(other)) << one;
+    for (const auto& [one, other] : {std::pair("a", "b"), std::pair("a", "A"), std::pair("new", "newer")})
+        EXPECT_TRUE(named(one) < named(other) || named(other) < named(one)) << one;
+    EXPECT_TRUE(named("a").isWithin(FileIdentity(around.path().string())));
+    EXPECT_TRUE(named("sub/up/sub/new").isWithin(named("sub")));
+    for (const char* name : {"a", "sub", "subway"}) EXPECT_FALSE(named(name).isWithin(named("sub"))) << name;
 }
