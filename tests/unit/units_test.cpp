@@ -1,4 +1,5 @@
 // docs/units.md is the one list of quantities: each name that it gives is one that a reader finds in the code.
+#include "support/files.h"
 #include "support/source_folder.h"
 
 #include <gtest/gtest.h>
@@ -9,18 +10,12 @@
 #include <map>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 
 namespace fs = std::filesystem;
+using raysweep::test::contentsOf;
 
 namespace {
-
-std::string contentsOf(const fs::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-}
 
 /// Identifiers and --flags of a source file, those in comments aside.
 std::set<std::string> namesIn(const fs::path& path) {

@@ -3,6 +3,7 @@
 
 #include "raysweep/core/error.h"
 #include "support/expect_error.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 #include "unit/camera/pose_fixture.h"
 
@@ -183,12 +184,6 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     const std::size_t at = text.find(what);
     EXPECT_NE(at, std::string::npos) << what;
     return text.replace(at, what.size(), by);
-}
-
-std::string contentsOf(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
 }
 
 }  // namespace

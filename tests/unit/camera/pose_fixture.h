@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
@@ -17,11 +16,6 @@ namespace raysweep::test {
 inline void writePicture(const std::string& path, int width, int height) {
     std::filesystem::create_directories(std::filesystem::path(path).parent_path());
     writeImage(path, Image(width, height, 3));
-}
-
-inline void writeBytes(const std::string& path, const std::string& bytes) {
-    std::filesystem::create_directories(std::filesystem::path(path).parent_path());
-    std::ofstream(path, std::ios::binary) << bytes;
 }
 
 /// `count` cameras on a spiral around `middle` that look at it, with pictures of 80x60.

@@ -3,6 +3,7 @@
 
 #include "raysweep/core/error.h"
 #include "support/expect_error.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 #include "support/volumes.h"
 #include "unit/camera/pose_fixture.h"

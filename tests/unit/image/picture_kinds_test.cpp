@@ -2,6 +2,7 @@
 #include "raysweep/core/error.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/image/jpeg_check.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,6 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -153,8 +153,7 @@ TEST_F(PictureKinds, CutJpegsAreRefused) {
 // OpenEXR would take gigabytes for what these claim.
 TEST_F(PictureKinds, ExrHeadersThatClaimMoreThanTheirFileHoldsAreRefused) {
     writeImage(folder_ / "a.exr", Image(4, 3, 1));
-    std::ifstream stream(folder_ / "a.exr", std::ios::binary);
-    const std::string whole((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    const std::string whole = test::contentsOf(folder_ / "a.exr");
     const auto with = [&](const std::string& attribute, std::size_t skipped, std::int32_t value) {
         std::string bytes = whole;
         const std::size_t at = bytes.find(attribute) + attribute.size() + skipped;

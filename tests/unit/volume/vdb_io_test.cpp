@@ -1,6 +1,7 @@
 #include "raysweep/volume/vdb_io.h"
 
 #include "raysweep/core/error.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -8,14 +9,14 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 using namespace raysweep;
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
+using raysweep::test::contentsOf;
 using raysweep::test::TemporaryFolder;
+using raysweep::test::writeBytes;
 namespace fs = std::filesystem;
 
 namespace {
@@ -32,15 +33,6 @@ FloatGrid::Ptr makeGrid(const std::string& name, float background = 0) {
     grid->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
     grid->transform().preRotate(0.3, openvdb::math::Z_AXIS);
     return grid;
-}
-
-std::string bytesOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void writeBytes(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
 }
 
 std::string messageOfReading(const std::string& path) {
@@ -103,7 +95,7 @@ TEST(VdbIo, LeavesCompressedByAllThreadsAreTheBytesOfOpenVdb) {
     for (const openvdb::GridBase::ConstPtr& grid : openvdb::GridCPtrVec{density, half, color}) {
         writeVdb(folder / "ours.vdb", {grid});
         openvdb::io::File(folder / "theirs.vdb").write(openvdb::GridCPtrVec{grid});
-        const std::string ours = bytesOf(folder / "ours.vdb"), theirs = bytesOf(folder / "theirs.vdb");
+        const std::string ours = contentsOf(folder / "ours.vdb"), theirs = contentsOf(folder / "theirs.vdb");
         const std::string lengths = "__delayedload";
         EXPECT_EQ(ours.find(lengths), std::string::npos);
         const std::size_t at = theirs.find(lengths) + lengths.size();
@@ -180,7 +172,7 @@ TEST(VdbIo, OneTreeSharedByTwoGridsIsReadForBoth) {
 TEST(VdbIo, EveryTruncationIsNoticed) {
     const TemporaryFolder folder;
     writeVdb(folder / "whole.vdb", {makeGrid("density", 3.0f), makeGrid("second")});
-    const std::string bytes = bytesOf(folder / "whole.vdb");
+    const std::string bytes = contentsOf(folder / "whole.vdb");
     ASSERT_GT(bytes.size(), 3000u);
     for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 16) {
         writeBytes(folder / "cut.vdb", bytes.substr(0, size));

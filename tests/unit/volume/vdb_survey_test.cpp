@@ -2,19 +2,20 @@
 #include "raysweep/core/error.h"
 #include "raysweep/volume/vdb_io.h"
 #include "support/expect_error.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 using namespace raysweep;
 using openvdb::Coord;
 using openvdb::FloatGrid;
+using test::contentsOf;
+using test::writeBytes;
 
 namespace {
 
@@ -26,20 +27,11 @@ FloatGrid::Ptr gridCalled(const std::string& name, const Coord& at = Coord(0)) {
     return grid;
 }
 
-std::string bytesOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void writeBytes(const std::string& path, const std::string& bytes) {
-    std::ofstream(path, std::ios::binary) << bytes;
-}
-
 /// The bytes of three grids, "one", "two" and "three".
 std::string threeGrids(const std::string& path) {
     initializeGrids();
     writeVdb(path, {gridCalled("one"), gridCalled("two"), gridCalled("three")});
-    return bytesOf(path);
+    return contentsOf(path);
 }
 
 std::vector<std::string> namesOf(const VdbSurvey& survey) {
