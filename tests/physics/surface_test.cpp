@@ -387,7 +387,7 @@ TEST(Surface, AFloorOfFlatOrTallVoxelsIsLitLikeAnyOther) {
         transform->preScale(openvdb::Vec3d(1, 1, height));
         density->setTransform(transform);
         Scene scene = wallScene(density, 0.5);
-        scene.medium.extinction = 4.6 / std::cbrt(height);
+        scene.medium.extinctionScale = 4.6 / std::cbrt(height);
         const Vec3 direction = Vec3(0.3, 0.2, -1).normalized();
         scene.suns.push_back({direction, grey(3)});
         const Illumination lit = illuminate(scene, sweepsOf(0));
