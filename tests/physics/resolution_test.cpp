@@ -124,8 +124,11 @@ TEST(Resolution, RadiosityReachesAllThatTheFineDensityReaches) {
         const Illumination lit = illuminate(atResolution(scene, resolution), options);
         const auto sampled = openvdb::gridPtrCast<FloatGrid>(sampledOnto(*lit.radiosity, *density, 1));
         EXPECT_GT(sampled->activeVoxelCount(), density->activeVoxelCount());
-        for (auto on = sampled->cbeginValueOn(); on; ++on)
-            ASSERT_NEAR(*on, 1, 0.2) << "resolution " << resolution << " at " << on.getCoord();
+        double worst = 0;
+        for (auto on = sampled->cbeginValueOn(); on; ++on) test::raiseTo(worst, std::abs(double(*on) - 1));
+        std::printf("  resolution %.2f: %.4f\n", resolution, worst);
+        // Found: 0.0123 at 0.7, noise of 512 sweeps; else 0.0026 and less.
+        EXPECT_LE(worst, 0.0135) << "resolution " << resolution;
     }
 }
 

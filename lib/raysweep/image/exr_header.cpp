@@ -4,8 +4,6 @@
 
 #include "raysweep/image/picture_file.h"
 
-#include <OpenEXR/ImfVersion.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
@@ -13,6 +11,8 @@
 
 namespace raysweep {
 namespace {
+
+constexpr std::int32_t kSeveralParts = 0x1000;  ///< flag beside the version
 
 [[noreturn]] void failDamaged(const std::string& path, const std::string& what) {
     failToRead(path, what + "; it is damaged");
@@ -129,7 +129,7 @@ double fewestChunks(const Part& part) {
 void requireSoundExrHeader(const std::string& path) {
     Reader file(path);
     file.integer();  // the magic number
-    const bool several = Imf::isMultiPart(file.integer());
+    const bool several = (file.integer() & kSeveralParts) != 0;
     double chunks = 0;
     do {
         Part part;
