@@ -16,6 +16,7 @@ constexpr double kEdge = 0.25;  ///< part of the detector's width in which d fal
 constexpr double kDisplaced = 0.1;
 constexpr double kWideGap = 15 * kPi / 180;  ///< radians
 constexpr double kLeastMeasured = 1e-6;      ///< M below it: nothing is measured
+constexpr int kDirections = 180;             ///< of a turn, in which missing lines are looked for
 
 /// 0 at 0 and below, 1 at 1 and above, smooth in between.
 double squaredSine(double x) {
@@ -44,23 +45,18 @@ Redundancy::Redundancy(BeamShape beam, const std::vector<double>& angles, const 
       period_(folded_ ? kPi : 2 * kPi),
       reaches_(reaches),
       reversed_(angles.size()) {
-    const std::size_t count = angles.size();
-    for (std::size_t n = 0; n < count; ++n) {
-        angles_.push_back(wrap(angles[n], period_));
+    scan_ = scanAngles(angles, period_);
+    angles_.resize(angles.size());
+    for (const ScanDirection& direction : scan_.directions)
+        for (std::size_t i = 0; i < direction.count; ++i) angles_[scan_.order[direction.first + i]] = direction.angle;
+    for (std::size_t n = 0; n < angles.size(); ++n) {
         reversed_[n] = folded_ && std::lround((angles[n] - angles_[n]) / period_) % 2 != 0;
         if (reversed_[n]) reaches_[n] = {-reaches[n].high, -reaches[n].low};
         furthest_ = std::max({furthest_, std::abs(reaches[n].low), std::abs(reaches[n].high)});
     }
-    takeScan(scanAngles(angles, period_));
     if (scan_.closed || missed(0.5 * furthest_) == 0) return;
     // What no ray from the other side makes up for is better guessed from its neighbours, unless it is too wide.
-    takeScan(scanAngles(angles, period_, kWideGap));
-}
-
-void Redundancy::takeScan(const ScanAngles& scan) {
-    scan_ = scan;
-    ascending_.clear();
-    for (const std::size_t n : scan_.order) ascending_.push_back(angles_[n]);
+    scan_ = scanAngles(angles, period_, kWideGap);
 }
 
 /// a of eq. 9. Folded it needs none: the ends of half a turn are each other's neighbours.
@@ -76,14 +72,22 @@ double Redundancy::taperAt(double angle) const {
     return 0;
 }
 
-/// The mean of d about a view, by the part of the turn that each stands for: evenly falling to 0 at the distance of the
-/// fourth neighbours. @param k in the order of angles
+/// The mean of d over the views from one angle.
+double Redundancy::windowOf(const ScanDirection& direction, double q) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < direction.count; ++i) sum += windowAt(reaches_[scan_.order[direction.first + i]], q);
+    return sum / double(direction.count);
+}
+
+/// The mean of d about a direction, by the part of the turn that each stands for: evenly falling to 0 at the distance
+/// of the fourth neighbours. @param k of the directions
 double Redundancy::windowAbout(std::size_t k, double q) const {
-    const long count = long(ascending_.size());
-    // Views in order go on beyond both ends, a period later and earlier.
+    const std::vector<ScanDirection>& directions = scan_.directions;
+    const long count = long(directions.size());
+    // Directions go on beyond both ends, a period later and earlier.
     const auto angleAt = [&](long i) {
         const long turns = i >= 0 ? i / count : -((count - 1 - i) / count);
-        return ascending_[std::size_t(i - turns * count)] + double(turns) * period_;
+        return directions[std::size_t(i - turns * count)].angle + double(turns) * period_;
     };
     const double here = angleAt(long(k));
     const double reach = 0.5 * (angleAt(long(k) + kNeighbours) - angleAt(long(k) - kNeighbours));
@@ -91,25 +95,27 @@ double Redundancy::windowAbout(std::size_t k, double q) const {
     const auto add = [&](long i) {
         const double nearness = 1 - std::abs(angleAt(i) - here) / reach;
         if (!(nearness > 0)) return false;
-        const std::size_t n = scan_.order[std::size_t((i % count + count) % count)];
-        sum += nearness * scan_.weights[n] * windowAt(reaches_[n], q);
-        parts += nearness * scan_.weights[n];
+        const ScanDirection& direction = directions[std::size_t((i % count + count) % count)];
+        sum += nearness * direction.weight * windowOf(direction, q);
+        parts += nearness * direction.weight;
         return true;
     };
     for (long i = long(k); i < long(k) + count && add(i);) ++i;
     for (long i = long(k) - 1; i > long(k) - count && add(i);) --i;
-    return parts > 0 ? sum / parts : windowAt(reaches_[scan_.order[k]], q);
+    return sum / parts;
 }
 
-/// M of eq. 9 without a: linear between views.
+/// M of eq. 9 without a: linear between directions.
 double Redundancy::meanWindow(double angle, double q) const {
-    const std::size_t count = ascending_.size();
+    const std::vector<ScanDirection>& directions = scan_.directions;
+    const std::size_t count = directions.size();
     angle = wrap(angle, period_);
-    const std::size_t next =
-        std::size_t(std::upper_bound(ascending_.begin(), ascending_.end(), angle) - ascending_.begin());
+    const auto later = std::upper_bound(directions.begin(), directions.end(), angle,
+                                        [](double a, const ScanDirection& direction) { return a < direction.angle; });
+    const std::size_t next = std::size_t(later - directions.begin());
     const std::size_t before = (next + count - 1) % count, after = next % count;
-    const double gap = wrap(ascending_[after] - ascending_[before], period_);
-    const double way = gap > 0 ? std::min(1.0, wrap(angle - ascending_[before], period_) / gap) : 0;
+    const double gap = wrap(directions[after].angle - directions[before].angle, period_);
+    const double way = gap > 0 ? std::min(1.0, wrap(angle - directions[before].angle, period_) / gap) : 0;
     return (1 - way) * windowAbout(before, q) + (way > 0 ? way * windowAbout(after, q) : 0);
 }
 
@@ -123,23 +129,33 @@ double Redundancy::weight(std::size_t n, double q) const {
         const double reverse = angle + kPi + (cone_ ? 2 * q : 0);
         all += taperAt(reverse) * meanWindow(reverse, -q);
     }
-    return own * taper / all;
+    return all > 0 ? own * taper / all : 0;  // own may be too small for the mean to know of it
+}
+
+/// A view looks at `angle`, and reaches q. Folded, what the other half of the turn sees counts from the other side.
+bool Redundancy::seesAt(double angle, double q) const {
+    if (folded_ && wrap(angle, 2 * kPi) >= kPi) q = -q;
+    return taperAt(angle) > 0 && meanWindow(angle, q) > kLeastMeasured;
+}
+
+bool Redundancy::isMeasured(double angle, double q) const {
+    return seesAt(angle, q) || (!folded_ && seesAt(angle + kPi + (cone_ ? 2 * q : 0), -q));
 }
 
 double Redundancy::missed(double q) const {
-    constexpr int kDirections = 180;
     int missed = 0;
-    for (int k = 0; k < kDirections; ++k) {
-        const double angle = 2 * kPi * (k + 0.5) / kDirections;
-        const auto isMeasured = [&](double source, double aside) {
-            return taperAt(source) > 0 && meanWindow(source, aside) > kLeastMeasured;
-        };
-        const double turned = cone_ ? q : 0;
-        const bool found = folded_ ? isMeasured(angle, angle < kPi ? q : -q)
-                                   : isMeasured(angle - turned, q) || isMeasured(angle + kPi + turned, -q);
-        missed += !found;
-    }
+    for (int k = 0; k < kDirections; ++k) missed += !isMeasured(2 * kPi * (k + 0.5) / kDirections - (cone_ ? q : 0), q);
     return double(missed) / kDirections;
+}
+
+double Redundancy::cut(double q) const {
+    int cut = 0;
+    for (int k = 0; k < kDirections; ++k) {
+        const double angle = 2 * kPi * (k + 0.5) / kDirections - (cone_ ? q : 0);
+        const bool looked = taperAt(angle) > 0 || taperAt(angle + kPi + (cone_ ? 2 * q : 0)) > 0;
+        cut += looked && !isMeasured(angle, q);
+    }
+    return double(cut) / kDirections;
 }
 
 }  // namespace raysweep

@@ -8,10 +8,11 @@
 ///
 /// β: angle of the source; q: by how much the ray passes the axis: of a cone its angle γ with the source's line to the
 /// axis, of parallel rays their distance from it; d_n: 1, and towards the edges of view n's detector a squared sine
-/// down to 0; a: the same towards the ends of the scan; M: mean of m over the views near β. Where both sums have only
-/// one term w is 1 or 1/2; on a displaced detector it falls to 0 at the near edge, without a step that the ramp filter
-/// would show. For parallel rays 2 γ is 0. If their detectors are not displaced, views from opposite sides measure the
-/// same: they are neighbours, modulo half a turn, and there is no second term.
+/// down to 0; a: the same towards the ends of the scan; M: mean of m over the views near β, of which there may be
+/// several at one angle. Where both sums have only one term w is 1 or 1/2; on a displaced detector it falls to 0 at the
+/// near edge, without a step that the ramp filter would show. For parallel rays 2 γ is 0. If their detectors are not
+/// displaced, views from opposite sides measure the same: they are neighbours, modulo half a turn, and there is no
+/// second term.
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
@@ -40,15 +41,22 @@ class Redundancy {
     /// w of eq. 9 for a ray of view n, >= 0.
     double weight(std::size_t n, double q) const;
 
+    /// True if some ray runs along the line that a source at `angle`, radians, sees at q.
+    bool isMeasured(double angle, double q) const;
+
     /// Part of the lines of sight that pass the axis at q, of all directions, that no ray runs along, in [0,1].
     double missed(double q) const;
+
+    /// The same of those only that detectors end before: views look that way.
+    double cut(double q) const;
 
     /// The largest |q| of any ray.
     double furthest() const { return furthest_; }
 
   private:
-    void takeScan(const ScanAngles& scan);
     double taperAt(double angle) const;
+    bool seesAt(double angle, double q) const;
+    double windowOf(const ScanDirection& direction, double q) const;
     double windowAbout(std::size_t k, double q) const;
     double meanWindow(double angle, double q) const;
 
@@ -56,8 +64,7 @@ class Redundancy {
     bool folded_;  ///< angles count modulo half a turn
     double period_;
     ScanAngles scan_;
-    std::vector<double> angles_;          ///< modulo the period
-    std::vector<double> ascending_;       ///< the same in order
+    std::vector<double> angles_;          ///< of each view: that of its direction
     std::vector<DetectorReach> reaches_;  ///< folded: as seen from the first half of the turn
     std::vector<bool> reversed_;          ///< folded: seen from the other half
     double furthest_ = 0;                 ///< largest |q|

@@ -112,6 +112,22 @@ TEST(ScanAngles, NobodyStandsForWhatAScanLeavesOut) {
     for (const double weight : scan.weights) EXPECT_NEAR(weight, 4 * kPi / 180, 1e-12);
 }
 
+// Several exposures from one angle, whose numbers may differ in the last digits, do not make it stand for more.
+TEST(ScanAngles, ViewsFromOneAngleShareWhatItStandsFor) {
+    for (const int together : {2, 3, 12})
+        for (const double apart : {0.0, 1e-13, 1e-7}) {
+            std::vector<double> angles;
+            for (int k = 0; k < 40; ++k)
+                for (int i = 0; i < together; ++i)  // about 0 on both sides of it
+                    angles.push_back(2 * kPi * k / 40 + apart * (i - 0.5 * together) / together);
+            const ScanAngles scan = scanAngles(angles, 2 * kPi);
+            EXPECT_TRUE(scan.closed);
+            ASSERT_EQ(scan.directions.size(), 40u) << together << " " << apart;
+            for (const double weight : scan.weights) EXPECT_NEAR(weight, 2 * kPi / 40 / together, 1e-9);
+            EXPECT_NEAR(sumOf(scan.weights), 2 * kPi, 1e-12);
+        }
+}
+
 TEST(ViewMatrix, PointsOfAPixelsRayFallOnIt) {
     for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
         ProjectionGeometry geometry = circularGeometry(someOrbit(beam));

@@ -60,6 +60,43 @@ TEST(Redundancy, EachLineCountsAsOne) {
     }
 }
 
+// A detector that is moved aside between exposures from one angle: weights are finite, however many there are, and no
+// line is missing that one of them measures.
+TEST(Redundancy, EachLineCountsAsOneOnTilesSideBySide) {
+    constexpr int kAngles = 700;
+    const std::vector<DetectorReach> three{{-0.2, -0.05}, {-0.08, 0.08}, {0.05, 0.2}};
+    std::vector<DetectorReach> nine;
+    for (int i = 0; i < 9; ++i) nine.push_back({-0.2 + 0.04 * i, -0.12 + 0.04 * i});
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone})
+        for (const auto& tiles : {three, nine}) {
+            std::vector<double> angles;
+            std::vector<DetectorReach> reaches;
+            for (const double angle : evenAngles(kAngles, 2 * kPi))
+                for (const DetectorReach& tile : tiles) {
+                    angles.push_back(angle);
+                    reaches.push_back(tile);
+                }
+            // 700 angles stand for 0.2 radians by 22 of them or one more or less: 4.5 %.
+            expectOne(beam, angles, reaches, 0.19, 0.046);
+            const Redundancy weights(beam, angles, reaches);
+            for (std::size_t n = 0; n < tiles.size(); ++n)
+                for (double q = -0.21; q < 0.21; q += 0.003) {
+                    const double weight = weights.weight(n, q);
+                    EXPECT_TRUE(weight >= 0 && weight < 1e3) << n << " " << q << " " << weight;
+                }
+        }
+}
+
+// A ray at the very edge of the detector is too little for the mean to know of; it was infinite, or NaN.
+TEST(Redundancy, WeightsAreFiniteUpToTheEdge) {
+    const Redundancy weights(BeamShape::cone, evenAngles(360, 2 * kPi), std::vector<DetectorReach>(360, {-0.05, 0.2}));
+    for (double away = 1e-3; away > 1e-320; away *= 0.3)
+        for (const double q : {0.2 - away, -0.05 + away}) {
+            const double weight = weights.weight(7, q);
+            EXPECT_TRUE(weight >= 0 && weight <= 2) << q << " " << weight;
+        }
+}
+
 TEST(Redundancy, SymmetricFullTurnsWeighOneHalfAndShortScansOneWhereNothingIsMeasuredTwice) {
     const std::vector<double> turn = evenAngles(360, 2 * kPi), shortScan = evenAngles(220, 220 * kPi / 180);
     const Redundancy full(BeamShape::cone, turn, std::vector<DetectorReach>(360, {-0.2, 0.2}));
@@ -75,6 +112,13 @@ TEST(Redundancy, TellsWhatNoRayRunsAlong) {
     const Redundancy hole(BeamShape::cone, turn, std::vector<DetectorReach>(360, {0.05, 0.2}));
     EXPECT_EQ(hole.missed(0.01), 1);
     EXPECT_EQ(hole.missed(0.1), 0);
+    EXPECT_EQ(hole.cut(0.01), 1);
+    EXPECT_EQ(hole.cut(0.1), 0);
+    // What no view looks along is missed, but not cut off.
+    const Redundancy few(BeamShape::parallel, evenAngles(60, kPi / 3), std::vector<DetectorReach>(60, {-0.2, 0.2}));
+    EXPECT_GT(few.missed(0.1), 0.6);
+    EXPECT_EQ(few.cut(0.1), 0);
+    EXPECT_NEAR(few.cut(0.21), 1.0 / 3, 0.012) << "of all directions";
     const Redundancy aside(BeamShape::parallel, part, std::vector<DetectorReach>(240, {-0.05, 0.2}));
     EXPECT_EQ(aside.missed(0.02), 0);
     EXPECT_NEAR(aside.missed(0.15), 1.0 / 3, 0.006) << "a third of the turn, in steps of 2 degrees";
