@@ -1,6 +1,7 @@
 // Objects wider than the detector, from exact line integrals: inside the field densities are right, whatever the
 // method; outside there is nothing.
 #include "raysweep/reconstruct/truncation.h"
+#include "raysweep/core/memory.h"
 #include "raysweep/phantoms/exact_projections.h"
 #include "raysweep/reconstruct/reconstruct.h"
 
@@ -176,13 +177,217 @@ TEST(Truncation, ADisplacedDetectorIsCutOnItsShortSideByDesign) {
     const Scan cut = scanOf(body, orbit);
     const auto truncation = findTruncation(cut.projections, cut.geometry);
     ASSERT_TRUE(truncation);
-    EXPECT_FALSE(truncation->low);
-    EXPECT_TRUE(truncation->high);
+    for (const OuterEnds& ends : truncation->ends) EXPECT_TRUE(!ends.low && ends.high);
     EXPECT_NEAR(truncation->radius, 29.5 * 1.5 / std::hypot(1.5, 29.5 * 1.5 / 200), 1.0);
     orbit.arc = 200;  // not in less than a full turn
     const auto half = findTruncation(exactProjections(body, circularGeometry(orbit)), circularGeometry(orbit));
     ASSERT_TRUE(half);
-    EXPECT_TRUE(half->low);
+    // But for the views that have one on the other side, 20 degrees at both ends of the arc, less the fan's angle.
+    const auto low = std::count_if(half->ends.begin(), half->ends.end(), [](const OuterEnds& e) { return e.low; });
+    EXPECT_GT(low, 0.75 * 180);
+    EXPECT_NEAR(half->radius, 10.5, 0.3) << "what is seen on the short side";
+}
+
+namespace {
+
+/// Views of detectors of `width` columns in a turn, one behind the other: each is displaced by `columns(n)`.
+template <class Columns>
+Scan displacedScan(const Shapes& shapes, CircularOrbit orbit, int width, int together, const Columns& columns) {
+    std::vector<double> angles;
+    for (int n = 0; n < orbit.views * together; ++n) angles.push_back(orbit.arc * (n / together) / orbit.views);
+    orbit.angles = angles;
+    orbit.width = width;
+    Scan scan;
+    scan.geometry = circularGeometry(orbit);
+    for (std::size_t n = 0; n < scan.geometry.views.size(); ++n)
+        scan.geometry.views[n].origin += scan.geometry.views[n].column * double(columns(int(n)));
+    scan.projections = exactProjections(shapes, scan.geometry);
+    return scan;
+}
+
+/// A turn displaced to each side, and three tiles side by side from each angle; both reach 32 pixels from the axis.
+std::vector<Scan> unionsOf(const Shapes& shapes, const CircularOrbit& orbit) {
+    return {displacedScan(shapes, orbit, 42, 2, [](int n) { return n % 2 ? 11 : -11; }),
+            displacedScan(shapes, orbit, 26, 3, [](int n) { return 19 * (n % 3 - 1); })};
+}
+
+CircularOrbit fullTurn(BeamShape beam) {
+    CircularOrbit orbit = beam == BeamShape::cone ? coneBeam() : parallelBeam();
+    orbit.views = 120;
+    orbit.arc = 360;
+    return orbit;
+}
+
+bool warns(const Reconstruction& result, ReconstructionWarning::Kind kind) {
+    return std::any_of(result.warnings.begin(), result.warnings.end(),
+                       [&](const ReconstructionWarning& warning) { return warning.kind == kind; });
+}
+
+}  // namespace
+
+/// Mean of the voxels next to the sources' plane that are `from` to `to` from the axis, relative to 0.02.
+double ringMean(const Reconstruction& result, double from, double to) {
+    double sum = 0;
+    int count = 0;
+    const int middle = result.grid.dims.z / 2;
+    for (int i = 0; i < result.grid.dims.x; ++i)
+        for (int j = 0; j < result.grid.dims.y; ++j)
+            for (const int k : {middle - 1, middle}) {
+                const Vec3 p = result.grid.voxel(i, j, k);
+                const double away = std::hypot(p.x, p.y);
+                if (away < from || away > to) continue;
+                sum += result.volume->tree().getValue({i, j, k}) / 0.02;
+                ++count;
+            }
+    return sum / count;
+}
+
+ReconstructOptions by(ReconstructionMethod method) {
+    ReconstructOptions options;
+    options.method = method;
+    options.grid.dims = Index3(64, 64, 40);
+    options.grid.spacing = 1;
+    options.sart.iterations = 2;
+    return options;
+}
+
+// What one detector does not see, another does: together they see all of the body.
+TEST(Truncation, WhatDetectorsSeeTogetherIsNotCut) {
+    const Shapes body{ellipsoid(0.02, Vec3(0), Vec3(28, 28, 15), 0)};
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone})
+        for (const Scan& scan : unionsOf(body, fullTurn(beam)))
+            for (const auto method : {ReconstructionMethod::fbp, ReconstructionMethod::sart}) {
+                const Reconstruction result = reconstruct(scan, by(method));
+                EXPECT_FALSE(warns(result, ReconstructionWarning::Kind::truncation));
+                EXPECT_EQ(result.fieldRadius, 0);
+                std::printf("union, method %d: mean %.5f\n", int(method), ringMean(result, 0, 26));
+                EXPECT_NEAR(ringMean(result, 0, 26), 1, 0.0023);  // found: 0.0021
+            }
+}
+
+// A body that all of them together do not see is continued at their outer ends only, as that of one wide detector is.
+TEST(Truncation, DetectorsSideBySideAreContinuedAsOneIs) {
+    const Shapes body{ellipsoid(0.02, Vec3(3, 2, 0), Vec3(44, 38, 40), 25),
+                      ellipsoid(0.02, Vec3(14, 5, 0), Vec3(6), 0)};
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
+        CircularOrbit wide = fullTurn(beam);
+        wide.width = 64;
+        Scan one = scanOf(body, wide);
+        for (const auto method : {ReconstructionMethod::fbp, ReconstructionMethod::sart}) {
+            const Reconstruction single = reconstructed(one, method);
+            for (const Scan& scan : unionsOf(body, fullTurn(beam))) {
+                const Reconstruction several = reconstructed(scan, method);
+                EXPECT_NEAR(several.fieldRadius, single.fieldRadius, 0.1);
+                ASSERT_NEAR(several.grid.spacing, single.grid.spacing, 1e-9);
+                ASSERT_EQ(several.grid.dims, single.grid.dims);
+                const Errors errors = differenceOf(several, single);
+                std::printf("side by side, method %d: worst %.4f, inner %.4f, mean %.4f\n", int(method), errors.worst,
+                            errors.inner, errors.mean);
+                // Found: 0.0012 filtered, 0.0141 by SART after its few passes.
+                EXPECT_LT(errors.inner, method == ReconstructionMethod::fbp ? 0.0013 : 0.0155);
+                EXPECT_LT(std::abs(errors.mean), 0.00025);  // found: 0.0002
+            }
+        }
+    }
+}
+
+// Rays on one side of the axis only: nothing about the axis is known, and what was measured is all there is.
+TEST(Truncation, ADetectorBesideTheAxisHasNoField) {
+    const Shapes body{ellipsoid(0.02, Vec3(0), Vec3(30, 30, 15), 0)};
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone})
+        for (const double arc : {180.0, 200.0, 360.0}) {
+            CircularOrbit orbit = fullTurn(beam);
+            orbit.arc = arc;
+            const Scan scan = displacedScan(body, orbit, 40, 1, [](int) { return 25; });
+            EXPECT_FALSE(findTruncation(scan.projections, scan.geometry)) << arc;
+            try {
+                reconstruct(scan, by(ReconstructionMethod::fbp));
+                ADD_FAILURE() << "not refused: " << arc;
+            } catch (const InvalidArgument& error) {
+                EXPECT_NE(std::string(error.what()).find("does not see the axis"), std::string::npos) << error.what();
+            }
+            const Reconstruction result = reconstruct(scan, by(ReconstructionMethod::sart));
+            EXPECT_EQ(result.fieldRadius, 0);
+            std::printf("beside the axis, %.0f degrees: mean %.5f\n", arc, ringMean(result, 10, 28));
+            EXPECT_GT(ringMean(result, 10, 28), 0.5) << "what was measured is there";
+        }
+}
+
+// An axis that falls hardly within the detector leaves a field that is as small, and a detector of bounded width.
+TEST(Truncation, ASmallFieldDoesNotMakeTheDetectorEndless) {
+    const Shapes body{ellipsoid(0.02, Vec3(0), Vec3(300, 300, 40), 0)};
+    for (const double beyond : {0.01, 0.3, 1.0, 3.0}) {
+        CircularOrbit orbit = parallelBeam();
+        orbit.axisColumn = beyond - 0.5;
+        const Scan scan = scanOf(body, orbit);
+        const auto truncation = findTruncation(scan.projections, scan.geometry);
+        EXPECT_EQ(bool(truncation), beyond > 1) << beyond;
+        if (!truncation) continue;
+        EXPECT_NEAR(truncation->radius, beyond, 0.05);
+        EXPECT_LE(wideDetector(*truncation, scan.geometry).geometry.width, 5 * 40);
+    }
+}
+
+// --initial and a filtered start: what is known within the field stays, tiles of the grid and air included; volumes
+// whose voxels lie elsewhere are refused as they are where nothing is cut.
+TEST(Truncation, AnInitialVolumeIsTakenAsItIs) {
+    const Scan scan = scanOf(ball(), parallelBeam());
+    const auto truncation = findTruncation(scan.projections, scan.geometry);
+    ASSERT_TRUE(truncation);
+    const ReconstructionGrid grid{Index3(40, 40, 40), Vec3(0), 1};
+    const auto known = openvdb::FloatGrid::create(0.0f);
+    known->setTransform(grid.transform());
+    known->fill(openvdb::CoordBBox(openvdb::Coord(8), openvdb::Coord(23)), 0.5f);  // tiles
+    EXPECT_GT(known->tree().activeTileCount(), 0u);
+    const ReconstructionGrid wide = widened(*truncation, grid);
+    const auto volume = continuedObject(*truncation, scan.geometry, wide, {known.get(), grid});
+    const auto at = [&](const Vec3& p) {
+        const openvdb::Vec3d index = volume->worldToIndex(openvdb::Vec3d(p.x, p.y, p.z));
+        return volume->tree().getValue(openvdb::Coord::round(index));
+    };
+    EXPECT_EQ(at(grid.voxel(10, 12, 20)), 0.5f) << "a tile";
+    EXPECT_EQ(at(grid.voxel(30, 20, 20)), 0.0f) << "air";
+    EXPECT_NEAR(at(Vec3(0.5, 24.5, 0.5)), 0.02, 0.005) << "beyond the field";
+    EXPECT_NEAR(at(Vec3(17.5, 17.5, 0.5)), 0.02, 0.005) << "beyond the field, within the grid";
+
+    ReconstructOptions options;
+    const auto coarse = openvdb::FloatGrid::create(0.0f);
+    coarse->setTransform(openvdb::math::Transform::createLinearTransform(2));
+    coarse->fill(openvdb::CoordBBox(openvdb::Coord(-10), openvdb::Coord(9)), 0.02f);
+    options.volumes.initial = coarse;
+    options.grid.dims = Index3(40);
+    options.grid.spacing = 1;
+    try {
+        reconstruct(scan, options);
+        ADD_FAILURE() << "not refused";
+    } catch (const InvalidArgument& error) {
+        EXPECT_NE(std::string(error.what()).find("voxels of the initial volume are not where"), std::string::npos)
+            << error.what();
+    }
+}
+
+// One view at a time is as wide as the object: beside the scan there are filtered views, and little else.
+TEST(Truncation, FilteringTakesTheMemoryOfFilteredViews) {
+    CircularOrbit orbit = parallelBeam();
+    orbit.views = 200;
+    orbit.width = orbit.height = 160;
+    const Shapes body{ellipsoid(0.02, Vec3(0), Vec3(120, 120, 160), 0)};
+    const Scan scan = scanOf(body, orbit);
+    const auto truncation = findTruncation(scan.projections, scan.geometry);
+    ASSERT_TRUE(truncation);
+    const double width = wideDetector(*truncation, scan.geometry).geometry.width;
+    ReconstructOptions options;
+    options.method = ReconstructionMethod::fbp;
+    options.grid.dims = Index3(32);
+    options.grid.spacing = 1;
+    reconstruct(scan, options);  // what is made once is there
+    resetPeak();
+    const double before = double(residentBytes());
+    reconstruct(scan, options);
+    const double took = double(peakResidentBytes()) - before, views = 200 * width * 160 * sizeof(float);
+    std::printf("took %.1f MB, filtered views %.1f MB\n", took / 1e6, views / 1e6);
+    if (peakResidentBytes() == 0) GTEST_SKIP() << "the system does not say";
+    EXPECT_LT(took, 1.1 * views);
 }
 
 // A detector that lies on its side sees the same body.

@@ -113,7 +113,8 @@ DetectorReach reachOf(const std::array<Vec3, 4>& outline, const AlignedView& vie
     return common.high - common.low > kInCommon * (any.high - any.low) ? common : any;
 }
 
-AlignedView resampledView(const XrayView& view, const ProjectionGeometry& geometry, const Plane& plane) {
+AlignedView resampledView(const XrayView& view, const ProjectionGeometry& geometry, const Plane& plane,
+                          const DetectorPart& part) {
     AlignedView aligned;
     aligned.resampled = true;
     aligned.measured = viewMatrix(view, geometry.beam);
@@ -145,8 +146,8 @@ AlignedView resampledView(const XrayView& view, const ProjectionGeometry& geomet
     aligned.xray.row = rowStep;
     aligned.xray.origin = plane.middle + columnStep * first[0] + rowStep * first[1];
     std::array<Vec3, 4> outline;
-    const double w = geometry.width - 0.5, h = geometry.height - 0.5;
-    const std::array<Vec3, 4> edges{view.pixel(-0.5, -0.5), view.pixel(w, -0.5), view.pixel(w, h), view.pixel(-0.5, h)};
+    const std::array<Vec3, 4> edges{view.pixel(part.left, part.top), view.pixel(part.right, part.top),
+                                    view.pixel(part.right, part.bottom), view.pixel(part.left, part.bottom)};
     for (std::size_t i = 0; i < 4; ++i) outline[i] = onPlane(edges[i], view, geometry.beam, plane);
     aligned.reach = reachOf(outline, aligned);
     return aligned;
@@ -232,10 +233,16 @@ void resample(const AlignedView& view, const ProjectionGeometry& geometry, const
 
 }  // namespace
 
-std::vector<AlignedView> alignedViews(const ProjectionGeometry& geometry, const OrbitFit& orbit) {
+DetectorPart wholeDetector(const ProjectionGeometry& geometry) {
+    return {-0.5, geometry.width - 0.5, -0.5, geometry.height - 0.5};
+}
+
+std::vector<AlignedView> alignedViews(const ProjectionGeometry& geometry, const OrbitFit& orbit,
+                                      const std::vector<DetectorPart>& parts) {
     std::vector<AlignedView> views;
     for (std::size_t n = 0; n < geometry.views.size(); ++n) {
         const XrayView& view = geometry.views[n];
+        const DetectorPart part = parts.empty() ? wholeDetector(geometry) : parts[n];
         const Plane plane = alignedPlane(view, geometry, orbit);
         requireFacing(view, geometry, plane, n);
         if (isAligned(view, geometry, orbit)) {
@@ -243,10 +250,10 @@ std::vector<AlignedView> alignedViews(const ProjectionGeometry& geometry, const 
             own.xray = view;
             own.width = geometry.width;
             own.height = geometry.height;
-            own.reach = {-0.5, geometry.width - 0.5};
+            own.reach = {part.left, part.right};
             views.push_back(own);
         } else {
-            views.push_back(resampledView(view, geometry, plane));
+            views.push_back(resampledView(view, geometry, plane, part));
         }
     }
     return views;

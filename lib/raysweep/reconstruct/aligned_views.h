@@ -1,7 +1,7 @@
 /// Detectors whose rows lie in the orbit's plane and whose columns run along its axis, which is what filtered
 /// backprojection filters along. A detector that stands otherwise, rolled, on its side or inclined, is resampled to
-/// such a one at the same distance, by cubic convolution (R. G. Keys, "Cubic convolution interpolation for digital
-/// image processing", IEEE Trans. Acoust., Speech, Signal Process. 29, 1981, with a = -1/2).
+/// such a one at the same distance, by Lanczos' kernel of three lobes (C. E. Duchon, "Lanczos filtering in one and two
+/// dimensions", J. Appl. Meteorol. 18, 1979).
 #pragma once
 
 #include "raysweep/camera/projection_geometry.h"
@@ -23,9 +23,20 @@ struct AlignedView {
                              ///< rows have little in common, that any measures
 };
 
+/// The part of a detector that counts, from edge to edge: its outermost pixels reach half a pixel further than their
+/// centres.
+struct DetectorPart {
+    double left = 0, right = 0;  ///< columns
+    double top = 0, bottom = 0;  ///< rows
+};
+
+DetectorPart wholeDetector(const ProjectionGeometry& geometry);
+
+/// @param parts of each view's own detector that `reach` is of; none: the whole
 /// @throw InvalidArgument naming the first view whose rays run away from the axis, or more along it or aside than
 /// towards it: no aligned detector faces those.
-std::vector<AlignedView> alignedViews(const ProjectionGeometry& geometry, const OrbitFit& orbit);
+std::vector<AlignedView> alignedViews(const ProjectionGeometry& geometry, const OrbitFit& orbit,
+                                      const std::vector<DetectorPart>& parts = {});
 
 /// Adds columns at both sides of a detector, on which no ray falls: what filtering spreads there counts as well.
 void widen(AlignedView& view, int before, int after);

@@ -20,15 +20,7 @@ constexpr double kNearAxis = 6;    ///< pixels
 constexpr int kDistances = 64;     ///< at which missing lines are looked for
 constexpr double kSteep = 0.21;    ///< a pixel: weights that change more near the axis leave a spot there
 
-/// By how much the ray through a point passes the axis, q of eq. 9 in redundancy.h.
-double passOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, const XrayView& view, const Vec3& point) {
-    if (geometry.beam == BeamShape::parallel)
-        return (point - orbit.center).dot(orbit.axis.cross(orbit.inPlane(view.direction)).normalized());
-    const Vec3 toAxis = orbit.inPlane(orbit.center - view.source), ray = orbit.inPlane(point - view.source);
-    return std::atan2(toAxis.cross(ray).dot(orbit.axis), toAxis.dot(ray));
-}
-
-/// That of the rays of a column of an aligned detector.
+/// Of the rays of a column of an aligned detector, what passOf says of a point.
 double passOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, const AlignedView& view, double column) {
     return passOf(geometry, orbit, view.xray, view.xray.pixel(column, 0.5 * (view.height - 1)));
 }
@@ -56,16 +48,28 @@ double scaleOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, const 
 
 }  // namespace
 
-DirectScan::DirectScan(const ProjectionGeometry& geometry)
+double passOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, const XrayView& view, const Vec3& point) {
+    if (geometry.beam == BeamShape::parallel)
+        return (point - orbit.center).dot(orbit.axis.cross(orbit.inPlane(view.direction)).normalized());
+    const Vec3 toAxis = orbit.inPlane(orbit.center - view.source), ray = orbit.inPlane(point - view.source);
+    return std::atan2(toAxis.cross(ray).dot(orbit.axis), toAxis.dot(ray));
+}
+
+double distanceOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, double q) {
+    return geometry.beam == BeamShape::cone ? orbit.radius * std::sin(q) : q;
+}
+
+DirectScan::DirectScan(const ProjectionGeometry& geometry, const OrbitFit& orbit,
+                       const std::vector<DetectorPart>& parts)
     : geometry(geometry),
-      orbit(fitOrbit(geometry)),
-      views(alignedViews(geometry, orbit)),
+      orbit(orbit),
+      views(alignedViews(geometry, orbit, parts)),
       redundancy(geometry.beam, orbit.angles, reachesOf(geometry, orbit, views)) {
     // To both sides of the axis as far as any view reaches: there what a displaced detector does not see is filtered
     // from what it does see.
     const double furthest = redundancy.furthest() * (1 - 1e-6);
     for (AlignedView& view : views) {
-        const double edges[2] = {view.reach.low, view.reach.high};
+        const double edges[2] = {-0.5, view.width - 0.5};
         const double first = passOf(geometry, orbit, view, edges[0]), last = passOf(geometry, orbit, view, edges[1]);
         const int most = 2 * view.width;
         int more[2] = {0, 0};
@@ -96,10 +100,6 @@ double DirectScan::cosine(std::size_t n, double x, double y) const {
     return ray.dot(orbit.inPlane(orbit.center - view.source).normalized()) / ray.length();
 }
 
-double DirectScan::radiusOf(double q) const {
-    return geometry.beam == BeamShape::cone ? orbit.radius * std::sin(q) : q;
-}
-
 void DirectScan::requireAxisSeen() const {
     const std::vector<DetectorReach> reaches = reachesOf(geometry, orbit, views);
     double nearest = redundancy.furthest();  // that any view sees
@@ -108,7 +108,7 @@ void DirectScan::requireAxisSeen() const {
     if (nearest > pixel)
         throw InvalidArgument(
             "the detector does not see the axis of the turn: lines of sight that pass it at less than " +
-            brief(radiusOf(nearest)) +
+            brief(distanceOf(geometry, orbit, nearest)) +
             " world units are measured from no side, and filtered backprojection needs those through "
             "all of the object; iterative methods take what there is");
     for (std::size_t n = 0; n < views.size() && redundancy.scan().closed; ++n)
@@ -172,7 +172,9 @@ bool DirectScan::showsBeyond(double q, const Projections& projections) const {
 DirectScan::MissingLines DirectScan::missingLines(double part) const {
     MissingLines lines;
     for (int i = 0; i < int(part * kDistances); ++i) {
-        const double q = redundancy.furthest() * (i + 0.5) / kDistances, missed = redundancy.missed(q);
+        const double q = redundancy.furthest() * (i + 0.5) / kDistances;
+        if (distanceOf(geometry, orbit, q) > field) break;
+        const double missed = redundancy.missed(q);
         if (!(missed > kMissed)) continue;
         if (lines.most == 0) lines.from = q;
         lines.to = q;
@@ -182,8 +184,9 @@ DirectScan::MissingLines DirectScan::missingLines(double part) const {
 }
 
 std::string DirectScan::describe(const MissingLines& lines) const {
-    return "lines of sight that pass the axis at " + brief(radiusOf(lines.from)) + " to " + brief(radiusOf(lines.to)) +
-           " world units are measured from some sides only, up to " + brief(100 * lines.most) + " % of them from none";
+    return "lines of sight that pass the axis at " + brief(distanceOf(geometry, orbit, lines.from)) + " to " +
+           brief(distanceOf(geometry, orbit, lines.to)) + " world units are measured from some sides only, up to " +
+           brief(100 * lines.most) + " % of them from none";
 }
 
 bool DirectScan::isSimple() const {

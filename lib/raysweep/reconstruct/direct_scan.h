@@ -9,10 +9,17 @@
 #include "raysweep/reconstruct/redundancy.h"
 
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace raysweep {
+
+/// By how much the ray through a point passes the axis, q of eq. 9 in redundancy.h.
+double passOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, const XrayView& view, const Vec3& point);
+
+/// How far from the axis rays of that q pass, world units, with its sign.
+double distanceOf(const ProjectionGeometry& geometry, const OrbitFit& orbit, double q);
 
 struct DirectScan {
     const ProjectionGeometry& geometry;
@@ -20,8 +27,11 @@ struct DirectScan {
     std::vector<AlignedView> views;
     Redundancy redundancy;
 
-    /// Keeps the reference. @throw InvalidArgument as fitOrbit and alignedViews.
-    explicit DirectScan(const ProjectionGeometry& geometry);
+    double field = std::numeric_limits<double>::infinity();  ///< lines that pass the axis further away are not needed,
+                                                             ///< world units
+
+    /// Keeps the reference. @param parts as of alignedViews  @throw InvalidArgument as alignedViews.
+    DirectScan(const ProjectionGeometry& geometry, const OrbitFit& orbit, const std::vector<DetectorPart>& parts = {});
 
     /// What the rays of a column of view n count before its rows are filtered as if pixels were 1 apart, and its values
     /// backprojected with 1/depth²: Δθ w / pitch of eq. 3, Δβ w SID / (SDD pitch) of eq. 4.
@@ -44,7 +54,6 @@ struct DirectScan {
 
   private:
     double steepness(std::size_t n, double q) const;
-    double radiusOf(double q) const;
     std::string shortArcWarning() const;
     bool showsBeyond(double q, const Projections& projections) const;
     struct MissingLines {

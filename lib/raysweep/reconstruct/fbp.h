@@ -40,10 +40,12 @@ struct FbpOptions {
 /// Views may be at any angles, detectors displaced and turned in any way; what rays are missing scanWarning says.
 /// Saturation is not known to it. The grid "density" has all voxels that are further than the tolerance
 /// from 0; the same bits for any number of threads. If `progress` asks to stop, the rest of the volume is empty.
-/// Memory: the volume and one copy of the projections.
+/// Memory: the volume, and a copy of the projections as wide as if detectors reached equally far to both sides of the
+/// axis.
 /// @throw InvalidArgument if projections and geometry differ in size, naming the first pixel that is not finite, if the
 /// grid reaches a source, if no detector sees the axis, if too many lines are measured from no side (DirectScan), if
-/// rays run aside or along the axis (alignedViews), as fitOrbit, and as validate.
+/// rays run aside or along the axis (alignedViews), if this machine has less memory than that copy takes, as fitOrbit,
+/// and as validate.
 openvdb::FloatGrid::Ptr filteredBackprojection(const Projections& projections, const ProjectionGeometry& geometry,
                                                const ReconstructionGrid& where, const FbpOptions& options = {},
                                                const ProgressCallback& progress = {});

@@ -44,6 +44,7 @@ class FilteredViews {
   public:
     /// Makes room for a view; the first of its rows lies at `matrix.y` 0.
     void add(const ViewMatrix& matrix, int width, int height, int columnAxis);
+    double bytes() const { return double(size_) * sizeof(float); }  ///< that `allocate` takes
     /// All values 0, after the last view was added.
     void allocate();
 

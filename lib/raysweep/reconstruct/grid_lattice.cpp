@@ -1,8 +1,10 @@
 #include "raysweep/reconstruct/grid_lattice.h"
 
+#include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
 
 #include <cmath>
+#include <string>
 
 namespace raysweep {
 namespace {
@@ -51,6 +53,13 @@ std::optional<openvdb::Coord> shiftTo(const openvdb::FloatGrid& volume, const Re
          {openvdb::Coord(0), openvdb::Coord(dims.x, 0, 0), openvdb::Coord(0, dims.y, 0), openvdb::Coord(0, 0, dims.z)})
         if (!((place(corner) - (corner + shift).asVec3d()).length() < kSame)) return {};
     return shift;
+}
+
+openvdb::Coord requireShift(const openvdb::FloatGrid& volume, const ReconstructionGrid& grid, const char* what) {
+    if (const auto shift = shiftTo(volume, grid)) return *shift;
+    throw InvalidArgument(std::string("the voxels of the ") + what +
+                          " volume are not where those of the reconstruction are: choose spacing and centre such that "
+                          "they are, or resample it");
 }
 
 double rmsDifference(const ColumnVolume& volume, const ColumnVolume& reference) {

@@ -16,6 +16,9 @@ ColumnLattice latticeOf(const ReconstructionGrid& grid, const ProjectionGeometry
 /// everywhere in `grid`.
 std::optional<openvdb::Coord> shiftTo(const openvdb::FloatGrid& volume, const ReconstructionGrid& grid);
 
+/// The same. @throw InvalidArgument if there is none. @param what the volume is, "initial" for instance
+openvdb::Coord requireShift(const openvdb::FloatGrid& volume, const ReconstructionGrid& grid, const char* what);
+
 /// RMS difference over all voxels of the lattice, which both have; those that are not kept are 0.
 double rmsDifference(const ColumnVolume& volume, const ColumnVolume& reference);
 

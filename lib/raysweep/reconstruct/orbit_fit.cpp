@@ -130,4 +130,12 @@ OrbitFit fitOrbit(const ProjectionGeometry& geometry) {
     return geometry.beam == BeamShape::cone ? fitSources(geometry) : fitDirections(geometry);
 }
 
+std::optional<OrbitFit> findOrbit(const ProjectionGeometry& geometry) {
+    try {
+        return fitOrbit(geometry);
+    } catch (const InvalidArgument&) {
+        return {};
+    }
+}
+
 }  // namespace raysweep

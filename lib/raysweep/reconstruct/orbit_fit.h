@@ -4,6 +4,7 @@
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/core/types.h"
 
+#include <optional>
 #include <vector>
 
 namespace raysweep {
@@ -22,5 +23,8 @@ struct OrbitFit {
 /// @throw InvalidArgument if a cone's sources do not lie on a circle (within 2 % of its radius) or are fewer than 3, or
 /// if parallel rays do not all run at right angles to one axis (within 2 %) or in fewer than 2 directions.
 OrbitFit fitOrbit(const ProjectionGeometry& geometry);
+
+/// The same; nothing where that throws.
+std::optional<OrbitFit> findOrbit(const ProjectionGeometry& geometry);
 
 }  // namespace raysweep

@@ -5,6 +5,8 @@
 #include "raysweep/core/parallel.h"
 #include "raysweep/core/require.h"
 #include "raysweep/projector/footprint.h"
+#include "raysweep/reconstruct/backprojection.h"
+#include "raysweep/reconstruct/direct_scan.h"
 #include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/orbit_fit.h"
 #include "raysweep/reconstruct/truncation.h"
@@ -46,36 +48,59 @@ void requireRoom(const ReconstructionGrid& grid, const ReconstructOptions& optio
                  "use larger voxels, or less of them");
 }
 
-/// A scan, and how its object goes on beyond the detector, if it does.
+/// A scan, the turn that its views are of, if they are, and how its object goes on beyond the detector, if it does.
 struct Measured {
     const Scan& scan;
+    std::optional<OrbitFit> orbit;
     std::optional<Truncation> truncation;
 };
 
-/// Filtered backprojection needs a value for every ray.
-openvdb::FloatGrid::Ptr filtered(const Measured& measured, const ReconstructOptions& options,
-                                 const ProgressCallback& progress, Reconstruction& result) {
-    const Scan& scan = measured.scan;
-    const Timer timer;
-    const RayCounts rays = countRays(scan.projections);
+Measured measuredBy(const Scan& scan, const std::optional<OrbitFit>& orbit) {
+    Measured measured{scan, orbit, {}};
+    if (orbit) measured.truncation = findTruncation(scan.projections, scan.geometry, *orbit);
+    return measured;
+}
+
+/// What direct methods should know of a scan that they can use.
+void addDirectWarnings(const Scan& scan, const RayCounts& rays, const DirectScan& direct, Reconstruction& result) {
     if (const std::size_t bounded = rays.saturated + rays.overexposed)
         result.warnings.push_back({Kind::saturation, std::to_string(bounded) +
                                                          " values that are saturated, at least or at most what they "
                                                          "say, are taken as if they were measured; iterative methods "
                                                          "know better"});
-    const std::string amiss = scanWarning(scan.geometry, &scan.projections);
+    const std::string amiss = direct.warning(&scan.projections);
     if (!amiss.empty()) result.warnings.push_back({Kind::shortScan, amiss});
+}
+
+/// Filtered backprojection needs a value for every ray. What is amiss is that of the detector as it is, within the
+/// field; what is filtered is the wide one.
+openvdb::FloatGrid::Ptr filtered(const Measured& measured, const ReconstructOptions& options,
+                                 const ProgressCallback& progress, Reconstruction& result) {
+    const Scan& scan = measured.scan;
+    const std::optional<Truncation>& truncation = measured.truncation;
+    const Timer timer;
+    DirectScan direct(scan.geometry, *measured.orbit);
+    if (truncation) direct.field = truncation->radius;
+    const RayCounts rays = countRays(scan.projections);
+    addDirectWarnings(scan, rays, direct, result);
+    Projections filled;
+    if (rays.notMeasured > 0) fillUnmeasured(filled = scan.projections);
+    const Projections& projections = rays.notMeasured > 0 ? filled : scan.projections;
+    requireUsable(direct, projections);
     openvdb::FloatGrid::Ptr volume;
-    if (rays.notMeasured == 0 && !measured.truncation) {
-        volume = filteredBackprojection(scan.projections, scan.geometry, result.grid, options.fbp, progress);
+    if (truncation) {
+        const WideDetector wide = wideDetector(*truncation, scan.geometry);
+        const auto pixels = [&](std::size_t n, std::vector<float>& room) -> const float* {
+            room = continuedView(*truncation, scan.geometry, wide, n, projections.view(int(n)));
+            return room.data();
+        };
+        volume = backprojection(DirectScan(wide.geometry, truncation->orbit, wide.parts), pixels, result.grid,
+                                options.fbp, progress);
+        volume = fieldOf(*truncation, result.grid, *volume);
     } else {
-        Projections projections = scan.projections;
-        ProjectionGeometry geometry = scan.geometry;
-        fillUnmeasured(projections);
-        if (measured.truncation) widen(*measured.truncation, projections, geometry);
-        volume = filteredBackprojection(projections, geometry, result.grid, options.fbp, progress);
+        const auto pixels = [&](std::size_t n, std::vector<float>&) { return projections.view(int(n)); };
+        volume = backprojection(direct, pixels, result.grid, options.fbp, progress);
     }
-    if (measured.truncation) volume = fieldOf(*measured.truncation, result.grid, *volume);
     result.seconds.filtered = timer.seconds();
     return volume;
 }
@@ -125,7 +150,7 @@ void iterate(const Measured& measured, const ReconstructOptions& options, const 
     if (measured.truncation) {
         grid = widened(*measured.truncation, grid);
         requireRoom(grid, options);
-        initial = continuedObject(*measured.truncation, scan.geometry, grid, given.get());
+        initial = continuedObject(*measured.truncation, scan.geometry, grid, {given.get(), result.grid});
     }
     SartResult iterated =
         sart(scan.projections, scan.geometry, grid, sartOptions, {initial, options.volumes.reference}, progress);
@@ -228,7 +253,8 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
     requireMatching(scan.geometry, scan.projections);
     const Timer timer;
     Reconstruction result;
-    if (isDirect(options)) fitOrbit(scan.geometry);  // says why it cannot be, before anything else
+    // Says why it cannot be, before anything else.
+    const std::optional<OrbitFit> orbit = filters(options) ? fitOrbit(scan.geometry) : findOrbit(scan.geometry);
     result.grid = reconstructionGrid(scan.geometry, options.grid, frameOf(options));
     requirePlace(result.grid, scan.geometry);
     result.viewsSeeing = requireSeen(scan.geometry, latticeOf(result.grid, scan.geometry));
@@ -239,7 +265,7 @@ Reconstruction reconstruct(const Scan& scan, const ReconstructOptions& options, 
         stopped = stopped || !report(progress, stage, fraction);
         return !stopped;
     };
-    const Measured measured{scan, findTruncation(scan.projections, scan.geometry)};
+    const Measured measured = measuredBy(scan, orbit);
     if (measured.truncation) {
         result.fieldRadius = measured.truncation->radius;
         result.rowsCut = measured.truncation->share;

@@ -87,7 +87,8 @@ double leastBytes(const ReconstructionGrid& grid, const ReconstructOptions& opti
 /// The volume whose X-rays the scan's are. Filtered backprojection gives rays that were not measured a value
 /// (fillUnmeasured, in a copy); iterative methods leave them out. An object that is wider than the detector is
 /// continued beyond it (Truncation): rows before they are filtered, and the voxels that iterative methods work on, with
-/// which their residuals and RMS differences are. The same bits for any number of threads.
+/// which their residuals and RMS differences are. A direct method then needs memory for projections as wide as the
+/// object. The same bits for any number of threads.
 /// @throw InvalidArgument as ReconstructOptions::validate, ProjectionGeometry::validate, requireMatching and
 /// reconstructionGrid; if the detector misses the grid in every view, this machine has less memory than leastBytes, a
 /// given volume has no active voxels, or densities leave the range of floats; as sart and filteredBackprojection.

@@ -86,16 +86,6 @@ ColumnVolume emptyVolume(const Projections& projections, const ProjectionGeometr
     return ColumnVolume(lattice, visualHull(projections, geometry, lattice, threshold));
 }
 
-/// Copies a volume that was given, whose voxels must be those of `grid`.
-void fillFrom(const openvdb::FloatGrid& given, const ReconstructionGrid& grid, const char* what, ColumnVolume& volume) {
-    const auto shift = shiftTo(given, grid);
-    if (!shift)
-        throw InvalidArgument(std::string("the voxels of the ") + what +
-                              " volume are not where those of the reconstruction are: choose spacing and centre "
-                              "such that they are, or resample it");
-    fillColumns(volume, given, *shift);
-}
-
 /// The voxels that are kept, as a grid in which they are 1.
 openvdb::FloatGrid::Ptr supportOf(const ColumnVolume& volume, const openvdb::math::Transform& transform) {
     const ColumnLattice& lattice = volume.lattice();
@@ -281,13 +271,13 @@ SartResult sart(const Projections& projections, const ProjectionGeometry& geomet
     ColumnVolume volume = emptyVolume(projections, geometry, lattice, options);
     result.keptVoxels = volume.storedVoxels();
     if (volumes.initial) {
-        fillFrom(*volumes.initial, grid, "initial", volume);
+        fillColumns(volume, *volumes.initial, requireShift(*volumes.initial, grid, "initial"));
         volume.clampAll(float(options.lower), float(options.upper));
     }
     std::optional<ColumnVolume> reference;
     if (volumes.reference) {
         reference.emplace(lattice);
-        fillFrom(*volumes.reference, grid, "reference", *reference);
+        fillColumns(*reference, *volumes.reference, requireShift(*volumes.reference, grid, "reference"));
     }
     if (options.record) *options.record = recordStart(grid, options, volume, volumes.initial != nullptr);
     Solver({projections, geometry, options}, volume, reference ? &*reference : nullptr, result).run(progress);

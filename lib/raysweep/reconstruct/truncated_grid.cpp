@@ -1,11 +1,13 @@
 // Voxels of scans whose object is wider than the detector. See truncation.h.
 #include "raysweep/core/parallel.h"
+#include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/truncation.h"
 #include "raysweep/reconstruct/view_matrix.h"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace raysweep {
 namespace {
@@ -19,6 +21,22 @@ const EllipticBody& bodyFor(const Truncation& t, const ViewMatrix& view, const V
     const double row = std::round(along(onAxis) / view.depth(onAxis));
     const double last = double(t.bodies.size() - 1);
     return t.bodies[std::size_t(std::clamp(row, 0.0, last))];
+}
+
+float bodyValue(const Truncation& t, const ViewMatrix& view, const Vec3& point) {
+    const EllipticBody& body = bodyFor(t, view, point);
+    const Vec3 place = point - t.orbit.center;
+    const bool inside = body.extinction > 0 && body.contains(place.dot(t.planeX), place.dot(t.planeY));
+    return inside ? float(body.extinction) : 0;
+}
+
+double distanceFromAxis(const Truncation& t, const Vec3& point) {
+    return t.orbit.inPlane(point - t.orbit.center).length();
+}
+
+/// Where a volume on `grid` says what is there, be it nothing.
+bool isKnown(const Truncation& t, const ReconstructionGrid& grid, const Vec3& point) {
+    return grid.box().intersects(point) && distanceFromAxis(t, point) <= t.radius;
 }
 
 }  // namespace
@@ -41,10 +59,11 @@ ReconstructionGrid widened(const Truncation& t, const ReconstructionGrid& grid) 
 }
 
 openvdb::FloatGrid::Ptr continuedObject(const Truncation& t, const ProjectionGeometry& geometry,
-                                        const ReconstructionGrid& grid, const openvdb::FloatGrid* inside) {
+                                        const ReconstructionGrid& grid, const KnownVolume& known) {
     const auto volume = openvdb::FloatGrid::create(0.0f);
     volume->setTransform(grid.transform());
     const ViewMatrix view = viewMatrix(geometry.views.front(), geometry.beam);
+    const openvdb::Coord shift = known.volume ? requireShift(*known.volume, grid, "initial") : openvdb::Coord(0);
     std::vector<openvdb::Coord> origins;
     for (int i = 0; i < grid.dims.x; i += int(Leaf::DIM))
         for (int j = 0; j < grid.dims.y; j += int(Leaf::DIM))
@@ -52,26 +71,21 @@ openvdb::FloatGrid::Ptr continuedObject(const Truncation& t, const ProjectionGeo
     std::vector<std::unique_ptr<Leaf>> leaves(origins.size());
     parallelFor(origins.size(), [&](std::size_t n) {
         auto leaf = std::make_unique<Leaf>(origins[n], 0.0f);
+        std::optional<openvdb::FloatGrid::ConstAccessor> values;
+        if (known.volume) values.emplace(known.volume->getConstAccessor());
         for (openvdb::Index offset = 0; offset < Leaf::SIZE; ++offset) {
             const openvdb::Coord at = leaf->offsetToGlobalCoord(offset);
             if (at.x() >= grid.dims.x || at.y() >= grid.dims.y || at.z() >= grid.dims.z) continue;
             const Vec3 point = grid.voxel(at.x(), at.y(), at.z());
-            const EllipticBody& body = bodyFor(t, view, point);
-            const Vec3 place = point - t.orbit.center;
-            if (body.extinction > 0 && body.contains(place.dot(t.planeX), place.dot(t.planeY)))
-                leaf->setValueOn(offset, float(body.extinction));
+            float value = 0;
+            const bool active = values && values->probeValue(at + shift, value);
+            if (!active) value = values && isKnown(t, known.grid, point) ? 0 : bodyValue(t, view, point);
+            if (value != 0) leaf->setValueOn(offset, value);
         }
         if (!leaf->isEmpty()) leaves[n] = std::move(leaf);
     });
     for (auto& leaf : leaves)
         if (leaf) volume->tree().addLeaf(leaf.release());
-    if (!inside) return volume;
-    auto values = volume->getAccessor();
-    for (auto value = inside->cbeginValueOn(); value; ++value) {
-        if (!value.isVoxelValue()) continue;
-        const openvdb::Vec3d place = volume->worldToIndex(inside->indexToWorld(value.getCoord()));
-        values.setValue(openvdb::Coord::round(place), *value);
-    }
     return volume;
 }
 
@@ -84,9 +98,8 @@ openvdb::FloatGrid::Ptr fieldOf(const Truncation& t, const ReconstructionGrid& g
     for (auto value = volume.cbeginValueOn(); value; ++value) {
         const openvdb::Vec3d world = volume.indexToWorld(value.getCoord());
         const openvdb::Coord voxel = openvdb::Coord::round(field->worldToIndex(world));
-        const Vec3 away = t.orbit.inPlane(Vec3(world.x(), world.y(), world.z()) - t.orbit.center);
         if (voxel.x() >= 0 && voxel.x() < grid.dims.x && voxel.y() >= 0 && voxel.y() < grid.dims.y && voxel.z() >= 0 &&
-            voxel.z() < grid.dims.z && away.length() <= t.radius)
+            voxel.z() < grid.dims.z && distanceFromAxis(t, Vec3(world.x(), world.y(), world.z())) <= t.radius)
             values.setValue(voxel, *value);
     }
     field->insertMeta("field_radius", openvdb::DoubleMetadata(t.radius));

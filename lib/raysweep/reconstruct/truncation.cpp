@@ -3,6 +3,8 @@
 #include "raysweep/core/brief.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/parallel.h"
+#include "raysweep/reconstruct/direct_scan.h"
+#include "raysweep/reconstruct/redundancy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,33 +64,58 @@ float endOf(const Rows& rows, const float* view, int row, bool high) {
     return values[count / 2];
 }
 
-/// True if the views look from all sides: no gap is five times as wide as they are apart on average.
-bool isFullTurn(const OrbitFit& orbit) {
-    std::vector<double> angles = orbit.angles;
-    std::sort(angles.begin(), angles.end());
-    double widest = angles.front() + 2 * kPi - angles.back();
-    for (std::size_t n = 1; n < angles.size(); ++n) widest = std::max(widest, angles[n] - angles[n - 1]);
-    return angles.size() > 2 && widest < 5 * 2 * kPi / double(angles.size());
+/// By how much rays pass the axis at either end of a view's rows: q of redundancy.h.
+double passAt(const Truncation& t, const Rows& rows, std::size_t n, bool high) {
+    const Vec3 end = rows.pixel(n, high ? rows.width() - 0.5 : -0.5, 0.5 * (rows.count() - 1));
+    return passOf(rows.geometry, t.orbit, rows.geometry.views[n], end);
 }
 
-/// How far from the axis the rays at either end of the rows pass, in the view where that is least.
-void findField(Truncation& t, const ProjectionGeometry& geometry) {
-    constexpr double kDisplaced = 0.95;
+std::vector<DetectorReach> reachesOf(const Truncation& t, const Rows& rows) {
+    std::vector<DetectorReach> reaches;
+    for (std::size_t n = 0; n < rows.geometry.views.size(); ++n) {
+        const double a = passAt(t, rows, n, false), b = passAt(t, rows, n, true);
+        reaches.push_back({std::min(a, b), std::max(a, b)});
+    }
+    return reaches;
+}
+
+/// The q up to which no detector ends before a line that it looks along, unless another view measures it; 0 if there is
+/// none. @param least what is nearer to the axis is not looked at
+double measuredUpTo(const Redundancy& lines, double least) {
+    constexpr double kMostCut = 0.02;  // of the lines at one distance
+    constexpr int kDistances = 64, kHalvings = 14;
+    if (lines.cut(least) > kMostCut) return 0;
+    double measured = least, cut = least;
+    while (cut <= lines.furthest()) {
+        cut = measured + lines.furthest() / kDistances;
+        if (lines.cut(cut) > kMostCut) break;
+        measured = cut;
+    }
+    for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (measured + cut);
+        (lines.cut(middle) > kMostCut ? cut : measured) = middle;
+    }
+    return measured;
+}
+
+/// Radius and ends, from what all views measure together. @return false if there is no field
+bool findField(Truncation& t, const ProjectionGeometry& geometry) {
+    constexpr double kAside = 0.05;  // of the furthest: ends that are as near to each other are alike
     const Rows rows = rowsOf(t, geometry);
-    double reach[2] = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    for (std::size_t n = 0; n < geometry.views.size(); ++n)
-        for (const bool high : {false, true}) {
-            const Vec3 end = rows.pixel(n, high ? rows.width() - 0.5 : -0.5, 0.5 * (rows.count() - 1));
-            reach[high] =
-                std::min(reach[high], std::abs(planeRay(t, geometry.views[n], geometry.beam, end).line.distance));
-        }
-    const bool full = isFullTurn(t.orbit);
-    t.low = !full || reach[0] >= kDisplaced * reach[1];
-    t.high = !full || reach[1] >= kDisplaced * reach[0];
-    t.radius = full ? std::max(reach[0], reach[1]) : std::min(reach[0], reach[1]);
+    const std::vector<DetectorReach> reaches = reachesOf(t, rows);
+    const Redundancy lines(geometry.beam, t.orbit.angles, reaches);
+    t.radius = distanceOf(geometry, t.orbit, measuredUpTo(lines, (reaches[0].high - reaches[0].low) / rows.width()));
+    const double aside = kAside * lines.furthest();
+    for (std::size_t n = 0; n < reaches.size(); ++n) {
+        const bool turned = passAt(t, rows, n, false) > passAt(t, rows, n, true);
+        const bool below = !lines.isMeasured(t.orbit.angles[n], reaches[n].low - aside);
+        const bool above = !lines.isMeasured(t.orbit.angles[n], reaches[n].high + aside);
+        t.ends.push_back({turned ? above : below, turned ? below : above});
+    }
+    return t.radius > 0;
 }
 
-/// Ends of one row: what share of them is within the object, and how much is measured there.
+/// Outer ends of one row: what share of them is within the object, and how much is measured there.
 struct Ends {
     std::size_t all = 0, cut = 0;
     double sum = 0;  ///< of line integrals at those that are cut
@@ -99,9 +126,12 @@ Ends endsOf(const Truncation& t, const Rows& rows, const Projections& projection
     Ends ends;
     std::vector<float> values(static_cast<std::size_t>(views));
     for (const bool high : {false, true}) {
-        if (!(high ? t.high : t.low)) continue;
-        for (int n = 0; n < views; ++n) values[std::size_t(n)] = endOf(rows, projections.view(n), row, high);
+        const auto isOuter = [&](int n) { return high ? t.ends[std::size_t(n)].high : t.ends[std::size_t(n)].low; };
+        for (int n = 0; n < views; ++n)
+            values[std::size_t(n)] =
+                isOuter(n) ? endOf(rows, projections.view(n), row, high) : std::numeric_limits<float>::quiet_NaN();
         for (int n = 0; n < views; ++n) {
+            if (!isOuter(n)) continue;
             double sum = 0, count = 0;
             for (int m = std::max(0, n - window); m <= std::min(views - 1, n + window); ++m)
                 if (!std::isnan(values[std::size_t(m)])) sum += values[std::size_t(m)], ++count;
@@ -158,28 +188,54 @@ void fitBodies(Truncation& t, const Projections& projections, const ProjectionGe
     }
 }
 
-/// What the body of a row measures at a pixel, which may be beside the detector.
-double bodyAt(const Truncation& t, const Rows& rows, std::size_t n, double x, int row) {
-    const EllipticBody& body = t.bodies[std::size_t(row)];
-    if (!(body.extinction > 0)) return 0;
-    const PlaneRay ray = planeRay(t, rows.geometry.views[n], rows.geometry.beam, rows.pixel(n, x, row));
-    return ray.length * body.lineIntegral(ray.line.normalX, ray.line.normalY, ray.line.distance);
-}
+/// A row of a view.
+struct ViewRow {
+    const Truncation& truncation;
+    const Rows& rows;
+    std::size_t view;
+    int row;
+
+    /// What its body measures at a pixel, which may be beside the detector.
+    double bodyAt(double x) const {
+        const EllipticBody& body = truncation.bodies[std::size_t(row)];
+        if (!(body.extinction > 0)) return 0;
+        const XrayView& from = rows.geometry.views[view];
+        const PlaneRay ray = planeRay(truncation, from, rows.geometry.beam, rows.pixel(view, x, row));
+        return ray.length * body.lineIntegral(ray.line.normalX, ray.line.normalY, ray.line.distance);
+    }
+};
 
 /// Continues one side of a row: the body, moved at the end to where the row is, and less of it where the row ends
 /// beside the object. @param to pixel i beyond the end is `to(i)`, i from 1
 template <class To>
-void continueRow(const Truncation& t, const Rows& rows, std::size_t n, int row, float end, bool high, int count,
-                 const To& to) {
-    const double part = std::clamp(2 * end / double(t.threshold) - 1, 0.0, 1.0);
+void continueRow(const ViewRow& row, float end, bool high, int count, const To& to) {
+    const double part = std::clamp(2 * end / double(row.truncation.threshold) - 1, 0.0, 1.0);
     if (!(part > 0)) return;
-    const int last = rows.width() - 1, inward = std::min(1, last);  // the median is of three pixels
-    const double offset = end - bodyAt(t, rows, n, high ? last - inward : inward, row);
-    const double fading = std::max(4.0, 0.1 * rows.width());  // pixels
+    const int last = row.rows.width() - 1, inward = std::min(1, last);  // the median is of three pixels
+    const double offset = end - row.bodyAt(high ? last - inward : inward);
+    const double fading = std::max(4.0, 0.1 * row.rows.width());  // pixels
     for (int i = 1; i <= count; ++i) {
-        const double value = bodyAt(t, rows, n, high ? last + i : -i, row) + offset * std::exp(-i / fading);
+        const double value = row.bodyAt(high ? last + i : -i) + offset * std::exp(-i / fading);
         to(i) = float(part * std::max(0.0, value));
     }
+}
+
+/// How many pixels rows need at one side until all rays beyond pass the object; at most twice what they have.
+int pixelsBeyond(const Truncation& t, const Rows& rows, bool high) {
+    constexpr int kMore = 2;
+    int pixels = 0;
+    for (std::size_t n = 0; n < t.ends.size(); ++n) {
+        if (!(high ? t.ends[n].high : t.ends[n].low)) continue;
+        const double side = passAt(t, rows, n, high) > passAt(t, rows, n, !high) ? 1 : -1;
+        const auto passes = [&](int i) {
+            const Vec3 pixel = rows.pixel(n, high ? rows.width() - 1 + i : -i, 0.5 * (rows.count() - 1));
+            return side * planeRay(t, rows.geometry.views[n], rows.geometry.beam, pixel).line.distance >= t.reach;
+        };
+        int needed = 0;
+        while (needed + kMore < 2 * rows.width() && !passes(needed)) ++needed;
+        pixels = std::max(pixels, needed + kMore);
+    }
+    return pixels;
 }
 
 }  // namespace
@@ -193,22 +249,23 @@ std::string Truncation::warning() const {
 }
 
 std::optional<Truncation> findTruncation(const Projections& projections, const ProjectionGeometry& geometry) {
+    const std::optional<OrbitFit> orbit = findOrbit(geometry);
+    return orbit ? findTruncation(projections, geometry, *orbit) : std::optional<Truncation>();
+}
+
+std::optional<Truncation> findTruncation(const Projections& projections, const ProjectionGeometry& geometry,
+                                         const OrbitFit& orbit) {
     constexpr double kWithin = 0.05, kViews = 0.05;  // of the largest line integral, of the ends of a row
     Truncation t;
-    try {
-        t.orbit = fitOrbit(geometry);
-    } catch (const InvalidArgument&) {
-        return {};
-    }
+    t.orbit = orbit;
     const XrayView& first = geometry.views.front();
     t.sideways = std::abs(first.column.dot(t.orbit.axis)) * first.row.length() >
                  std::abs(first.row.dot(t.orbit.axis)) * first.column.length();
     t.planeX = t.orbit.inPlane(t.sideways ? first.row : first.column).normalized();
     t.planeY = t.orbit.axis.cross(t.planeX);
-    findField(t, geometry);
     const double largest = usualLargest(projections);
     t.threshold = float(kWithin * largest);
-    if (!(largest > 0)) return {};
+    if (!(largest > 0) || !findField(t, geometry)) return {};
 
     const Rows rows = rowsOf(t, geometry);
     std::vector<Ends> ends(std::size_t(rows.count()));
@@ -230,32 +287,39 @@ std::optional<Truncation> findTruncation(const Projections& projections, const P
     return t;
 }
 
-void widen(const Truncation& t, Projections& projections, ProjectionGeometry& geometry) {
+WideDetector wideDetector(const Truncation& t, const ProjectionGeometry& geometry) {
     const Rows rows = rowsOf(t, geometry);
-    const double pixel = 2 * t.radius / rows.width();  // at the axis, or larger
-    const int needed = int(std::ceil(std::max(0.0, t.reach - t.radius) / pixel)) + 2;
-    const int beyond = std::min(needed, 2 * rows.width());
-    const int low = t.low ? beyond : 0, high = t.high ? beyond : 0;
+    const int low = pixelsBeyond(t, rows, false), high = pixelsBeyond(t, rows, true);
+    WideDetector wide{geometry, {}, low, high};
+    (t.sideways ? wide.geometry.height : wide.geometry.width) += low + high;
+    for (XrayView& view : wide.geometry.views) view.origin -= (t.sideways ? view.row : view.column) * double(low);
+    for (const OuterEnds& ends : t.ends) {
+        DetectorPart part = wholeDetector(wide.geometry);
+        if (!ends.low) (t.sideways ? part.top : part.left) += low;
+        if (!ends.high) (t.sideways ? part.bottom : part.right) -= high;
+        wide.parts.push_back(part);
+    }
+    return wide;
+}
 
-    ProjectionGeometry wide = geometry;
-    (t.sideways ? wide.height : wide.width) += low + high;
-    for (XrayView& view : wide.views) view.origin -= (t.sideways ? view.row : view.column) * double(low);
-    const Rows wideRows = rowsOf(t, wide);
-    Projections all(wide.width, wide.height, projections.views);
-    all.saturation = projections.saturation;
-    parallelFor(std::size_t(projections.views), [&](std::size_t n) {
-        const float* from = projections.view(int(n));
-        float* to = all.view(int(n));
-        for (int row = 0; row < rows.count(); ++row) {
-            for (int x = 0; x < rows.width(); ++x) to[wideRows.index(low + x, row)] = from[rows.index(x, row)];
-            const auto below = [&](int i) -> float& { return to[wideRows.index(low - i, row)]; };
-            const auto above = [&](int i) -> float& { return to[wideRows.index(low + rows.width() - 1 + i, row)]; };
-            continueRow(t, rows, n, row, endOf(rows, from, row, false), false, low, below);
-            continueRow(t, rows, n, row, endOf(rows, from, row, true), true, high, above);
+std::vector<float> continuedView(const Truncation& t, const ProjectionGeometry& geometry, const WideDetector& wide,
+                                 std::size_t n, const float* measured) {
+    const Rows rows = rowsOf(t, geometry), wideRows = rowsOf(t, wide.geometry);
+    std::vector<float> values(std::size_t(wide.geometry.width) * std::size_t(wide.geometry.height));
+    parallelFor(std::size_t(rows.count()), [&](std::size_t number) {
+        const int row = int(number), last = rows.width() - 1;
+        const auto at = [&](int x) -> float& { return values[wideRows.index(wide.low + x, row)]; };
+        for (int x = 0; x <= last; ++x) at(x) = measured[rows.index(x, row)];
+        for (const bool high : {false, true}) {
+            const int count = high ? wide.high : wide.low;
+            const auto beyond = [&](int i) -> float& { return at(high ? last + i : -i); };
+            if (high ? t.ends[n].high : t.ends[n].low)
+                continueRow({t, rows, n, row}, endOf(rows, measured, row, high), high, count, beyond);
+            else
+                for (int i = 1; i <= count; ++i) beyond(i) = at(high ? last : 0);
         }
     });
-    projections = std::move(all);
-    geometry = std::move(wide);
+    return values;
 }
 
 }  // namespace raysweep
