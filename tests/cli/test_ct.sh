@@ -199,6 +199,8 @@ for angles in angles.txt radians.txt; do
     ct p.mha --parallel -o b.vdb $grid --iterations 1 --angles $angles
     expect_exit 0 "$raysweep" compare a.vdb b.vdb --max-rms 1e-6  # the last bits of angles
 done
+ct p.mha --parallel -o b.vdb $grid --iterations 1 --angles <(cat angles.txt)  # which can be read once only
+expect_exit 0 "$raysweep" compare a.vdb b.vdb --max-rms 1e-6
 ct p.mha --parallel -o b.vdb $grid --iterations 1 --angles radians.txt
 expect_match "assumed: the angles are taken for radians, as they cover 3.142; if they are degrees, say so with --angle-unit"
 expect_exit 0 "$raysweep" project box.vdb -o again.mha --parallel --angles angles.txt --detector 96,40

@@ -95,30 +95,24 @@ MeasuredFiles readHdf5(const ScanOptions& options, const ProgressCallback& progr
     return measured;
 }
 
-/// How many views there are, as far as anybody says; 0: nobody does.
-int viewsSaid(const ScanGeometryOptions& geometry, const MeasuredScan& scan) {
-    return geometry.views > 0 ? geometry.views : int(scan.angles.size());
-}
-
-/// Whether the rows of pictures are views.
-bool areSinograms(const ScanOptions& options, const ProjectionFile& file, const MeasuredScan& scan) {
+/// Whether the rows of pictures are views. @param angles how many there are; 0: nobody says
+bool areSinograms(const ScanOptions& options, const ProjectionFile& file, std::size_t angles) {
     if (options.sinograms != Sinograms::automatic) return options.sinograms == Sinograms::always;
     const Projections& p = file.projections;
     if (!options.geometry.file.empty() || options.geometry.width > 0 || p.height == 1) return false;
-    const int said = viewsSaid(options.geometry, scan);
+    const int said = options.geometry.views > 0 ? options.geometry.views : int(angles);
     if (said > 0) return said != p.views && said == p.height;
     return p.views == 1;  // a single view is no scan
 }
 
-MeasuredFiles readFiles(const ScanOptions& options, const ProgressCallback& progress) {
+/// @param said angles that `options.geometry.angles` names, in whatever unit
+MeasuredFiles readFiles(const ScanOptions& options, const std::vector<double>& said, const ProgressCallback& progress) {
     ProjectionFile file = readProjections(options.projections, {options.repair, options.unsignedCounts}, progress);
     MeasuredFiles measured;
     measured.format = file.format;
     measured.complete = file.complete;
     if (!file.complete) return measured;
-    MeasuredScan angles;
-    if (!options.geometry.angles.empty()) angles.angles = readAngleFile(options.geometry.angles);
-    if (areSinograms(options, file, angles)) {
+    if (areSinograms(options, file, said.size())) {
         const Projections& p = file.projections;
         measured.assumptions.push_back(
             (p.views == 1 ? "the picture is taken for a sinogram, of " : "the pictures are taken for sinograms, of ") +
@@ -175,14 +169,16 @@ FrameSource darkSource(const ScanOptions& options) {
 }
 
 MeasuredFiles readMeasuredFiles(const ScanOptions& options, const ProgressCallback& progress) {
-    MeasuredFiles measured = isHdf5Scan(options) ? readHdf5(options, progress) : readFiles(options, progress);
+    std::vector<double> said;  // read once: what is no regular file can be read no second time
+    if (!options.geometry.angles.empty()) said = readAngleFile(options.geometry.angles);
+    MeasuredFiles measured = isHdf5Scan(options) ? readHdf5(options, progress) : readFiles(options, said, progress);
     if (!measured.complete) return measured;
     readFrames(options, measured);
     measured.scan.width = measured.values.width;
     measured.scan.height = measured.values.height;
     measured.scan.views = measured.values.views;
     if (!options.geometry.angles.empty()) {
-        ViewAngles angles = viewAngles(readAngleFile(options.geometry.angles), "", options.geometry.angleUnit);
+        ViewAngles angles = viewAngles(std::move(said), "", options.geometry.angleUnit);
         if (!angles.said.empty()) measured.assumptions.push_back(angles.said);
         requireAngles(angles.degrees, options, measured.values);
         measured.scan.angles = std::move(angles.degrees);
