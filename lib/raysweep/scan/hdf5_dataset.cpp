@@ -1,9 +1,10 @@
-// The only place that sees HDF5.
+// This and hdf5_sources.cpp are the only places that see HDF5.
 #include "raysweep/scan/hdf5_dataset.h"
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/regular_file.h"
 #include "raysweep/core/run_outputs.h"
+#include "raysweep/scan/hdf5_sources.h"
 
 #include <hdf5.h>
 
@@ -108,6 +109,8 @@ std::vector<std::string> Hdf5File::names() const {
 Hdf5Dataset::Hdf5Dataset(const Hdf5File& file, const std::string& name)
     : path_(file.path()), name_(name), set_(H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose) {
     if (set_ < 0) fail("it cannot be opened (" + reason() + ")");
+    const Hdf5Handle creation(H5Dget_create_plist(set_), H5Pclose);
+    if (const std::string why = noteHdf5Sources(path_, creation); !why.empty()) fail(why);
     const Hdf5Handle type(H5Dget_type(set_), H5Tclose);
     const H5T_class_t kind = type < 0 ? H5T_NO_CLASS : H5Tget_class(type);
     if (kind != H5T_INTEGER && kind != H5T_FLOAT) fail("it must hold numbers");
@@ -125,11 +128,11 @@ Hdf5Dataset::Hdf5Dataset(const Hdf5File& file, const std::string& name)
     sizes_.assign(sizes.begin(), sizes.end());
     for (const std::uint64_t size : sizes_)
         if (size < 1 || size > 0x7fffffff) fail("its size is " + sizeText());
-    requireWritten();
+    requireWritten(creation);
+    requireSources(creation);
 }
 
-void Hdf5Dataset::requireWritten() const {
-    const Hdf5Handle creation(H5Dget_create_plist(set_), H5Pclose);
+void Hdf5Dataset::requireWritten(std::int64_t creation) const {
     const H5D_layout_t layout = H5Pget_layout(creation);
     bool written = true;
     if (layout == H5D_CHUNKED) {
@@ -146,12 +149,10 @@ void Hdf5Dataset::requireWritten() const {
         written = H5Dget_storage_size(set_) > 0;
     }
     if (!written) fail("parts of it were never written; was the scan interrupted?");
-    requireSources(creation);
 }
 
 /// Of values that are in other files: that these are there.
 void Hdf5Dataset::requireSources(std::int64_t creation) const {
-    const fs::path folder = fs::path(path_).parent_path();
     const int outside = H5Pget_external_count(creation);
     for (int n = 0; n < outside; ++n) {
         char name[4096] = {};
@@ -163,24 +164,15 @@ void Hdf5Dataset::requireSources(std::int64_t creation) const {
         if (failed || (size != H5F_UNLIMITED && there < std::uintmax_t(offset) + size))
             fail("its values are in the file '" + std::string(name) + "', which is missing or too short");
     }
-    std::size_t parts = 0;
-    if (H5Pget_layout(creation) == H5D_VIRTUAL) H5Pget_virtual_count(creation, &parts);
-    std::uint64_t covered = 0, all = parts > 0 ? 1 : 0;
+    const std::vector<Hdf5Part> parts = hdf5Parts(path_, creation, sizes_);
+    std::uint64_t covered = 0, all = parts.empty() ? 0 : 1;
     for (const std::uint64_t size : sizes_) all *= size;
-    for (std::size_t n = 0; n < parts; ++n) {
-        char name[4096] = {}, set[4096] = {};
-        H5Pget_virtual_filename(creation, n, name, sizeof name);
-        H5Pget_virtual_dsetname(creation, n, set, sizeof set);
-        const Hdf5Handle where(H5Pget_virtual_vspace(creation, n), H5Sclose);
-        covered += std::uint64_t(std::max<hssize_t>(0, H5Sget_select_npoints(where)));
-        if (std::string(name).find('%') != std::string::npos) return;  // a series of files, as long as it may be
-        const std::string source = std::string(name) == "."       ? path_
-                                   : fs::path(name).is_absolute() ? std::string(name)
-                                                                  : (folder / name).string();
-        const Hdf5Handle file(H5Fopen(source.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-        const Hdf5Handle opened(file < 0 ? -1 : H5Dopen2(file, set, H5P_DEFAULT), H5Dclose);
+    for (const Hdf5Part& part : parts) {
+        covered += part.numbers;
+        const Hdf5Handle file(H5Fopen(part.file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+        const Hdf5Handle opened(file < 0 ? -1 : H5Dopen2(file, part.set.c_str(), H5P_DEFAULT), H5Dclose);
         if (opened < 0)
-            fail("it is put together of others, and '" + std::string(set) + "' in '" + source + "' cannot be opened (" +
+            fail("it is put together of others, and '" + part.set + "' in '" + part.file + "' cannot be opened (" +
                  reason() + "); give that file as well, beside this one");
     }
     if (covered < all) fail("it is put together of others, which leave parts of it empty; was the scan interrupted?");

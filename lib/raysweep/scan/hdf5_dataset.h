@@ -63,7 +63,8 @@ class Hdf5Dataset {
   public:
     /// @param name without the leading slash
     /// @throw IoError if it cannot be opened, holds something else, has no dimension or more than three, or its values
-    /// are not all there: never written, or in other files that are missing or too short. HDF5 would make up zeros.
+    /// are not all there: never written, or in other files that are missing, no regular files, or too short. HDF5 would
+    /// make up zeros, or wait.
     Hdf5Dataset(const Hdf5File& file, const std::string& name);
 
     const Hdf5Extent& sizes() const { return sizes_; }
@@ -80,7 +81,7 @@ class Hdf5Dataset {
     [[noreturn]] void fail(const std::string& why) const;  ///< @throw IoError
 
   private:
-    void requireWritten() const;
+    void requireWritten(std::int64_t creation) const;
     void requireSources(std::int64_t creation) const;
     void readAs(const Hdf5Extent& start, const Hdf5Extent& count, std::int64_t type, void* to) const;
 

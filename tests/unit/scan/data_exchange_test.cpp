@@ -2,7 +2,10 @@
 // lack.
 #include "raysweep/scan/data_exchange.h"
 
+#include "raysweep/core/run_outputs.h"
 #include "raysweep/scan/line_integrals.h"
+
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -243,6 +246,104 @@ TEST_F(DataExchangeFile, ValuesInOtherFilesMustBeThere) {
     writeVirtual(4);
     std::filesystem::remove(part);
     expectRefused("/exchange/data: it is put together of others, and 'exchange/data' in '" + part);
+}
+
+namespace {
+
+/// A file whose counts, 4 views of 3 x 5, and flat frames are in others. @param how makes a dataset so
+void writeElsewhere(const std::string& path, const std::function<void(hid_t creation)>& how, bool grows = false) {
+    const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t group = H5Gcreate2(file, "exchange", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const hsize_t sizes[] = {4, 3, 5}, most[] = {grows ? H5S_UNLIMITED : 4, 3, 5};
+    const hid_t space = H5Screate_simple(3, sizes, most);
+    for (const char* name : {"data", "data_white"}) {
+        const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+        how(creation);
+        H5Dclose(H5Dcreate2(group, name, H5T_STD_U16BE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+        H5Pclose(creation);
+    }
+    H5Sclose(space);
+    H5Gclose(group);
+    H5Fclose(file);
+}
+
+/// From one file.
+void virtualOf(hid_t creation, const char* file, const char* set) {
+    const hsize_t sizes[] = {4, 3, 5};
+    const hid_t space = H5Screate_simple(3, sizes, nullptr);
+    EXPECT_GE(H5Pset_virtual(creation, space, file, set, space), 0);
+    H5Sclose(space);
+}
+
+/// `each` views from each file of a series, `every` views from each other.
+void seriesOf(hid_t creation, hsize_t each, hsize_t every) {
+    const hsize_t sizes[] = {4, 3, 5}, most[] = {H5S_UNLIMITED, 3, 5}, part[] = {each, 3, 5};
+    const hsize_t start[] = {0, 0, 0}, stride[] = {every, 3, 5}, count[] = {H5S_UNLIMITED, 1, 1};
+    const hid_t space = H5Screate_simple(3, sizes, most), source = H5Screate_simple(3, part, nullptr);
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, start, stride, count, part);
+    EXPECT_GE(H5Pset_virtual(creation, space, "part%b.h5", "exchange/data", source), 0);
+    H5Sclose(source);
+    H5Sclose(space);
+}
+
+}  // namespace
+
+TEST_F(DataExchangeFile, FilesThatValuesAreInAreInputs) {
+    const std::string part = folder / "part.h5", raw = folder / "raw.bin";
+    const auto expectInputs = [&](const std::vector<std::string>& inputs) {
+        RunOutputs outputs;
+        EXPECT_EQ(readDataExchange(path).counts.values[59], 1059.0f);
+        for (const std::string& input : inputs) EXPECT_THROW(requireNotRead(input), IoError) << input;
+    };
+    Hdf5File(part).addCounts("data", {4, 3, 5}, 1000);
+    writeElsewhere(path, [](hid_t creation) { virtualOf(creation, "part.h5", "exchange/data"); });
+    expectInputs({part});
+    // And what those are made of.
+    const std::string between = folder / "between.h5";
+    writeElsewhere(between, [](hid_t creation) { virtualOf(creation, "part.h5", "exchange/data"); });
+    writeElsewhere(path, [](hid_t creation) { virtualOf(creation, "between.h5", "exchange/data"); });
+    expectInputs({part, between});
+
+    std::ofstream bytes(raw, std::ios::binary);
+    for (int i = 0; i < 60; ++i) bytes << char((1000 + i) >> 8) << char((1000 + i) & 255);
+    bytes.close();
+    writeElsewhere(path, [&](hid_t creation) { H5Pset_external(creation, raw.c_str(), 0, 120); });
+    expectInputs({raw});
+}
+
+// A pipe would be waited for.
+TEST_F(DataExchangeFile, ValuesInWhatIsNoRegularFileAreRefused) {
+    const std::string pipe = folder / "pipe";
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    writeElsewhere(path, [&](hid_t creation) { H5Pset_external(creation, pipe.c_str(), 0, 120); });
+    expectRefused("its values are in '" + pipe + "': it is a device or a pipe");
+    writeElsewhere(path, [](hid_t creation) { virtualOf(creation, "pipe", "exchange/data"); });
+    expectRefused("its values are in '" + pipe + "': it is a device or a pipe");
+    writeElsewhere(
+        path, [](hid_t creation) { seriesOf(creation, 2, 2); }, true);
+    std::filesystem::rename(pipe, folder / "part0.h5");
+    expectRefused("part0.h5': it is a device or a pipe");
+}
+
+TEST_F(DataExchangeFile, ASeriesOfFilesIsCheckedAsASingleOneIs) {
+    const std::string first = folder / "part0.h5", second = folder / "part1.h5";
+    Hdf5File(first).addCounts("data", {2, 3, 5}, 1000);
+    Hdf5File(second).addCounts("data", {2, 3, 5}, 1030);
+    writeElsewhere(
+        path, [](hid_t creation) { seriesOf(creation, 2, 2); }, true);
+    {
+        RunOutputs outputs;
+        const DataExchange scan = readDataExchange(path);
+        EXPECT_EQ(scan.counts.views, 4);
+        EXPECT_EQ(scan.counts.values[59], 1059.0f);
+        EXPECT_THROW(requireNotRead(first), IoError);
+        EXPECT_THROW(requireNotRead(second), IoError);
+    }
+    // One view of three is in no file.
+    Hdf5File(first).addCounts("data", {2, 3, 5}, 1000);
+    writeElsewhere(
+        path, [](hid_t creation) { seriesOf(creation, 2, 3); }, true);
+    expectRefused("which leave parts of it empty");
 }
 
 TEST_F(DataExchangeFile, SizesThatDoNotFitAreRefusedByDataset) {
