@@ -32,8 +32,8 @@ struct EllipticBody {
 /// is not of one extinction within it is passed over rather than averaged. Levenberg-Marquardt, from circles that are
 /// drawn out four ways. P. W. Holland and R. E. Welsch, "Robust regression using iteratively reweighted least squares",
 /// Commun. Stat. A 6, 1977.
-/// @param field distance from the origin up to which all lines were measured, > 0; the body is at least half as large,
-/// and at most four times.
+/// @param field distance from the origin up to which all lines were measured, > 0; the axes of L are a quarter of
+/// it at least, and at most four times.
 EllipticBody fitEllipticBody(const std::vector<PlaneLine>& lines, double field);
 
 }  // namespace raysweep

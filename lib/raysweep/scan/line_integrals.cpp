@@ -108,7 +108,7 @@ LineIntegrals lineIntegrals(Projections counts, const std::vector<float>& flat, 
         result.implausible += view.implausible;
         bounded = bounded || view.bounded;
     }
-    if (!bounded) result.projections.bounds = {};
+    if (!bounded) result.projections.bounds = std::vector<RayBound>();  // `= {}` would keep the memory
     return result;
 }
 

@@ -33,7 +33,7 @@ Projections integralsOf(const ScanOptions& options, MeasuredFiles& measured, Sca
     LineIntegrals integrals = lineIntegrals(std::move(measured.values), measured.flat, measured.dark, how);
     scan.found.deadPixels = integrals.deadPixels;
     scan.found.implausible = integrals.implausible;
-    for (const std::string& doubt : doubtsAbout(integrals.projections))
+    for (const std::string& doubt : doubtsAbout(integrals.projections, true))
         scan.found.warnings.push_back({ScanWarning::Kind::values, doubt});
     return std::move(integrals.projections);
 }

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/brief.h"
 #include "raysweep/core/error.h"
+#include "raysweep/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,23 +60,32 @@ double meanOf(const std::vector<double>& values) {
     return sum / double(values.size());
 }
 
+/// Sum of what was measured, and how many pixels it is of.
+struct Sum {
+    double sum = 0, count = 0;
+    void add(const float* first, const float* last) {
+        for (; first != last; ++first)
+            if (!std::isnan(*first)) sum += *first, ++count;
+    }
+};
+
 Sides sidesOf(const Projections& projections) {
     Sides sides;
     sides.columns = std::max(1, projections.width / 50);
-    for (int n = 0; n < projections.views; ++n) {
-        double sums[2] = {}, counts[2] = {};
-        for (std::size_t p = 0; p < projections.pixelsPerView(); ++p) {
-            const int x = int(p % std::size_t(projections.width));
-            const bool inner = x >= sides.columns && x < projections.width - sides.columns;
-            const float value = projections.view(n)[p];
-            if (std::isnan(value)) continue;
-            sums[inner] += value;
-            ++counts[inner];
+    const int width = projections.width, side = std::min(sides.columns, width / 2);
+    std::vector<Sum> outer(std::size_t(projections.views)), inner(outer.size());
+    parallelFor(outer.size(), [&](std::size_t n) {
+        for (int y = 0; y < projections.height; ++y) {
+            const float* row = projections.view(int(n)) + std::size_t(y) * std::size_t(width);
+            outer[n].add(row, row + side);
+            inner[n].add(row + side, row + width - side);
+            outer[n].add(row + width - side, row + width);
         }
-        if (counts[0] > 0 && counts[1] > 0) {
-            sides.outer.push_back(sums[0] / counts[0]);
-            sides.inner.push_back(sums[1] / counts[1]);
-        }
+    });
+    for (std::size_t n = 0; n < outer.size(); ++n) {
+        if (outer[n].count == 0 || inner[n].count == 0) continue;
+        sides.outer.push_back(outer[n].sum / outer[n].count);
+        sides.inner.push_back(inner[n].sum / inner[n].count);
     }
     return sides;
 }
@@ -108,9 +118,9 @@ std::size_t markImplausible(Projections& projections) {
     return found;
 }
 
-std::vector<std::string> doubtsAbout(const Projections& projections) {
+std::vector<std::string> doubtsAbout(const Projections& projections, bool corrected) {
     std::vector<std::string> doubts;
-    const Sides sides = projections.width >= 8 ? sidesOf(projections) : Sides();
+    const Sides sides = projections.width >= 8 && !corrected ? sidesOf(projections) : Sides();
     if (areBright(sides))
         doubts.push_back("the values are " + brief(meanOf(sides.outer), 3) + " at the detector's sides, and " +
                          brief(meanOf(sides.inner), 3) + " between them, as " +

@@ -18,8 +18,8 @@ std::size_t markImplausible(Projections& lineIntegrals);
 
 /// What of line integrals suggests that they are something else, in words; empty: nothing. Counts and transmissions are
 /// evenly large at the detector's sides and smaller within; large negative values beyond the noise are none.
-/// @param type of the file's numbers
-std::vector<std::string> doubtsAbout(const Projections& lineIntegrals);
+/// @param corrected they were made of counts, by frames without object: they are no counts any more
+std::vector<std::string> doubtsAbout(const Projections& lineIntegrals, bool corrected = false);
 
 /// What is counted without object, for each pixel, estimated from the detector's sides, where there must be none: the
 /// mean of the outermost columns (a fiftieth of them on either side, in all views), of each row.
@@ -27,8 +27,8 @@ std::vector<std::string> doubtsAbout(const Projections& lineIntegrals);
 std::vector<float> flatFromSides(const Projections& counts);
 
 /// The count at which a detector ends, if some of `counts` are as large: the largest of the file's integer type, or
-/// 2^8 to 2^16 - 1 if no count is larger and at least 10 of each million, and 3, are as large. Nothing if the frames
-/// without object reach it too: they are what the beam is.
+/// that of 8, 10, 12, 14 or 16 bits if no count is larger and at least 10 of each million, and 3, are as large. Nothing
+/// if the frames without object reach it too: they are what the beam is.
 std::optional<double> exposureLimit(const Projections& counts, SampleType type, const std::vector<float>& flat);
 
 }  // namespace raysweep

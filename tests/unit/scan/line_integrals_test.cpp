@@ -74,6 +74,13 @@ TEST(LineIntegrals, TooFewCountsSayAtLeast) {
     EXPECT_FLOAT_EQ(result.projections.values[4], float(-std::log(0.1)));
 }
 
+TEST(LineIntegrals, BoundsTakeUpNoMemoryWhereThereAreNone) {
+    Projections counts(5, 1, 1);
+    counts.values = {100, 150, 200, 300, 400};
+    const LineIntegrals result = lineIntegrals(counts, std::vector<float>(5, 400), std::vector<float>(5, 0));
+    EXPECT_EQ(result.projections.bounds.capacity(), 0u);
+}
+
 TEST(LineIntegrals, CountsSayAtLeastOrAtMostWhereTheyEnd) {
     Projections counts(7, 1, 1);
     counts.values = {100, 101, 102, 4000, 4095, 12000, -12000};  // dark 100, flat 1100

@@ -53,6 +53,7 @@ TEST(Doubts, CountsAndTransmissionsAreBrightBesideTheObject) {
         for (float& value : counts.values) value = float(bright * std::exp(-double(value)));
         const std::vector<std::string> doubts = doubtsAbout(counts);
         ASSERT_EQ(doubts.size(), 1u) << bright;
+        EXPECT_TRUE(doubtsAbout(counts, true).empty()) << "they are not taken for what they are";
         EXPECT_NE(doubts[0].find(bright > 2 ? "as counts are" : "as transmissions are"), std::string::npos)
             << doubts[0];
     }
@@ -71,6 +72,7 @@ TEST(Doubts, NegativeLineIntegralsBeyondTheNoiseAreSaid) {
     const std::vector<std::string> doubts = doubtsAbout(projections);
     ASSERT_EQ(doubts.size(), 1u);
     EXPECT_NE(doubts[0].find("% of the line integrals are below"), std::string::npos) << doubts[0];
+    EXPECT_EQ(doubtsAbout(projections, true), doubts);
 }
 
 TEST(FlatFromSides, IsWhatIsCountedBesideTheObject) {
