@@ -265,6 +265,8 @@ DenseField directDeposit(const DenseMedium& medium, const IlluminationSetup& set
     black.albedo.assign(medium.extinction.size(), 0.0f);
     black.source.clear();
     black.unshot.clear();
+    // Nothing is shot that surfaces could shade: they take from all rays, as voxels without a surface do.
+    if (setup.rule == ExchangeRule::corrected) black.normal = {};
     IlluminationSetup linear = setup;
     linear.resampling = Resampling::linear;
     Illumination machine(black, linear);

@@ -102,8 +102,9 @@ void addSun(SolverState& state, const Sun& sun) {
     if (!state.solid.surfaces.empty()) fields.surfaces = &state.solid.surfaces;
     if (showsDirectLight(state)) fields.furnace = viewOf(furnace = BrickField(state.solid.surfaces.bricks.size()));
     beam.furnaceRay = 1;
-    const RaySums totals =
-        sweep(state.medium.volume, {beam}, Interpolation::linear, fields, exchangeConstants(state, 1, 1)).front();
+    ExchangeConstants constants = exchangeConstants(state, 1, 1);
+    constants.direct = true;
+    const RaySums totals = sweep(state.medium.volume, {beam}, Interpolation::linear, fields, constants).front();
 
     ChannelPower power;
     for (int c = 0; c < state.medium.channels; ++c) {

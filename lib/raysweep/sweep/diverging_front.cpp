@@ -118,7 +118,7 @@ void meetVoxel(Field& field, const Ray& ray, const VoxelPart& part, double lengt
     const bool solid = normals && normals[part.offset] != 0 && tau > 0;
     taken.solid = taken.solid || solid;
     taken.leaving = taken.leaving || (tau > 0 && cosine > double(kLeavingCosine));
-    if (tau == 0 || (surface && cosine >= 0)) return;
+    if (tau == 0) return;
     const double opacity = -std::expm1(-double(tau) * length);
     const auto take = [&](FixedField& to, std::size_t brick, double energy) {
         const std::int64_t units = std::llround(part.weight * energy * opacity * field.unitsPerPower);

@@ -19,6 +19,9 @@
 /// at its projected size. It shoots into those that leave, out = U min(1, 4 zeta) omega.n, a Lambert emitter, and does
 /// not attenuate them, or the surface would shade itself. What it takes is scattered once, g = albedo.
 ///
+/// In a sweep of direct light nothing is shot that a surface could shade, and it takes alpha from all rays: light comes
+/// upon the voxels along a convex edge, or at a silhouette, against their normals, and would go on through them.
+///
 /// How much a surface voxel collects depends on how its neighbours on the same surface shade it, so it is measured:
 /// beside its power a ray carries f, the *local furnace*, which is set to radiance 1 where it is outside of solids and
 /// is taken in and attenuated like power inside them. What it leaves behind is the voxel's furnace deposit F.
@@ -94,6 +97,8 @@ struct ExchangeConstants {
     EscapeFit escape;
     float zeta = 0.5f;   ///< ζ/K: part of the unshot power that is shot along each of up to K beams, (0,1]
     float mostShot = 1;  ///< the most that a beam may take of it; together they must not take more than there is
+    /// Of direct light: U is 0, and surfaces take from rays that leave, too. Not with `asPrinted`.
+    bool direct = false;
 };
 
 /// A brick as a sweep meets it.

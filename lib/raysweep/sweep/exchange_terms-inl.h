@@ -82,13 +82,14 @@ struct ExchangeRule {
     static constexpr float kAnyPart = 1e30f;  ///< times 1 / (s len) of the thickest voxel it is far above 1
     float part, most;
     float ofSurface;  ///< out / U of a surface is this times the cosine
-    bool asPrinted;
+    bool asPrinted, direct;
 
     explicit ExchangeRule(const ExchangeConstants& constants)
         : part(constants.zeta),
           most(constants.mostShot),
           ofSurface(std::min(constants.mostShot, 4 * constants.zeta)),
-          asPrinted(constants.model == ExchangeModel::asPrinted) {
+          asPrinted(constants.model == ExchangeModel::asPrinted),
+          direct(constants.direct && !asPrinted) {
         if (!asPrinted) return;
         part = kAnyPart;
         most = ofSurface = std::min(constants.mostShot, constants.zeta);
@@ -170,7 +171,9 @@ HWY_INLINE VoxelSolids applySurfaces(const ExchangeRule& rule, const Vec3& direc
     const Vec zero = hn::Zero(kLanes), one = hn::Set(kLanes, 1.0f);
     Vec taken = terms.opacity;
     if (rule.asPrinted) taken = hn::Mul(taken, hn::Min(hn::Neg(cosine), one));
-    terms.opacity = hn::IfThenElse(surfaces.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
+    if (!rule.direct)
+        terms.opacity =
+            hn::IfThenElse(surfaces.surface, hn::IfThenElseZero(hn::Lt(cosine, zero), taken), terms.opacity);
     terms.shot = hn::IfThenElse(
         surfaces.surface, hn::Mul(hn::Min(hn::Max(cosine, zero), one), hn::Set(kLanes, rule.ofSurface)), terms.shot);
     const auto leaving = hn::And(surfaces.present, hn::Gt(cosine, hn::Set(kLanes, kLeavingCosine)));

@@ -63,7 +63,7 @@ double worstOf(const BrickField& field, const BrickField& before, const std::vec
 std::ostream& operator<<(std::ostream& out, const ExchangeCase& of) {
     return out << "interpolation " << int(of.interpolation) << " model " << int(of.model) << " channels " << of.channels
                << " surfaces " << of.surfaces << " thickest " << of.thickest << " periodic " << of.periodic[0]
-               << of.periodic[1] << of.periodic[2];
+               << of.periodic[1] << of.periodic[2] << " direct " << of.direct;
 }
 
 ExchangeConstants constantsOf(const ExchangeCase& of, const ExchangeVolume& volume, std::size_t beams) {
@@ -72,6 +72,7 @@ ExchangeConstants constantsOf(const ExchangeCase& of, const ExchangeVolume& volu
     constants.escape = volume.escape.fit();
     constants.zeta = 0.9f / float(beams);
     constants.mostShot = 1 / float(beams);
+    constants.direct = of.direct;
     return constants;
 }
 
@@ -143,6 +144,18 @@ TEST(Exchange, AgreesWithItsFormulasAlongAllAxes) {
                         expectSameAsPlain({directionAlong(major, signs & 1 ? 1 : -1, signs & 2 ? 0.6 : -0.3,
                                                           signs & 4 ? 0.9 : -0.45)},
                                           {interpolation, model, channels});
+}
+
+// What surfaces take of rays that leave is all that is different; as printed the algorithm knows of no difference.
+TEST(Exchange, OfDirectLightAgreesWithItsFormulas) {
+    for (int major = 0; major < 3; ++major)
+        for (const double way : {1.0, -1.0})
+            for (const Interpolation interpolation : kInterpolations)
+                for (const ExchangeModel model : kModels) {
+                    ExchangeCase of{interpolation, model};
+                    of.direct = true;
+                    expectSameAsPlain({directionAlong(major, way, 0.6, -0.45)}, of);
+                }
 }
 
 // Kernels have a shorter formula where all voxels are thin, and one for bricks without surfaces; in a periodic volume

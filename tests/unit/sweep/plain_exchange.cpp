@@ -40,7 +40,7 @@ VoxelTerms termsOf(const PlainBeam& plain, PackedNormal normal, double tau, doub
         const double cosine = cosineOf(plain, normal);
         const bool paper = plain.model == ExchangeModel::asPrinted;
         const double shot = paper ? double(plain.zeta) : std::min(double(plain.mostShot), 4 * double(plain.zeta));
-        if (cosine > 0) return {0, shot * std::min(1.0, cosine), albedo};
+        if (cosine > 0) return {plain.direct && !paper ? opacity : 0, shot * std::min(1.0, cosine), albedo};
         return {opacity * (paper ? std::min(1.0, -cosine) : 1), 0, albedo};
     }
     if (plain.model == ExchangeModel::asPrinted) return {opacity, double(plain.zeta), albedo};

@@ -18,6 +18,7 @@ struct ExchangeCase {
     bool surfaces = true;  ///< in every other brick
     double thickest = 20;  ///< tau; up to 1.5 / step scale kernels have a shorter formula
     Periodic periodic = {false, false, false};
+    bool direct = false;
 
     int reach() const { return interpolation == Interpolation::linear ? 1 : 0; }
 };
