@@ -186,6 +186,11 @@ std::vector<std::pair<std::string, Opacity>> softAndNoisySolids() {
             {"sheet of one voxel", [](int, int, int z) { return z == 12 ? 1.0 : 0.0; }},
             {"gradient", [](int x, int, int) { return x / 24.0; }},
             {"plates with gaps", [](int x, int, int) { return x % 5 < 3 ? 1.0 : 0.0; }},
+            {"cup",
+             [](int x, int y, int z) {
+                 const auto within = [&](int from, int to) { return x >= from && x < to && y >= from && y < to; };
+                 return within(2, 22) && z >= 2 && z < 22 && !(within(5, 19) && z >= 5) ? 1.0 : 0.0;
+             }},
             {"noisy ball", [=](int x, int y, int z) { return fromMiddle(x, y, z) < 10 ? 0.9 + 0.1 * gauss() : 0.0; }}};
 }
 

@@ -3,10 +3,27 @@
 #include <algorithm>
 
 namespace raysweep {
+namespace {
+
+/// Beyond this albedo light is scattered so often between the walls of a hollow that what the local furnace lacks along
+/// their edges adds up.
+constexpr float kBright = 0.9f;
+
+bool isBright(const MediumFields& medium) {
+    for (int c = 0; c < medium.channels; ++c) {
+        const float* const values = medium.albedo[c].brick(0);
+        const std::size_t count = medium.albedo[c].brickCount() * kBrickVoxels;
+        if (std::any_of(values, values + count, [](float albedo) { return albedo > kBright; })) return true;
+    }
+    return false;
+}
+
+}  // namespace
 
 void allocateWhiteFurnace(SolverState& state, Interpolation interpolation) {
     WhiteFurnace& furnace = state.solid.white;
-    if (!state.solid.present || !state.solid.surfaces.mixed || state.medium.model == ExchangeModel::asPrinted) return;
+    if (!state.solid.present || state.medium.model == ExchangeModel::asPrinted) return;
+    if (!state.solid.surfaces.mixed && !isBright(state.medium)) return;
     const std::size_t bricks = state.medium.volume.layout.brickCount();
     furnace.albedo = BrickField(1);
     std::fill_n(furnace.albedo.brick(0), kBrickVoxels, 1.0f);
