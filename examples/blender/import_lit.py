@@ -95,8 +95,8 @@ def parse_checked(parser, argv):
         parser.error("--fov must lie between 0 and 180 degrees")
     if args.ortho is not None and not args.ortho > 0:
         parser.error("--ortho must be above 0")
-    if args.samples < 1 or not args.step > 0:
-        parser.error("--samples must be at least 1 and --step above 0")
+    if args.samples < 1 or not args.step >= 0.01:
+        parser.error("--samples must be at least 1 and --step at least 0.01")
     return args
 
 

@@ -61,13 +61,14 @@ void addMachineOptions(CLI::App& app, MachineArguments& a) {
 
 void addPerspectiveOptions(CLI::App& app, MachineArguments& a) {
     app.option_defaults()->group("Machine");
-    app.add_option("--least-spacing", a.sampling.leastSpacing,
-                   "Rays from a point are merged where they are closer than so many voxels, (0,1]; below 1 slices are "
-                   "passed several times")
+    app.add_option(
+           "--least-spacing", a.sampling.leastSpacing,
+           "Rays from a point are merged where they are closer than so many voxels, [0.01,1]; below 1 slices are "
+           "passed several times")
         ->capture_default_str()
         ->type_name("X");
     app.add_option("--rays-per-pixel", a.sampling.raysPerPixel,
-                   "Rays from a point: so many for each pixel along columns and rows, at least 1")
+                   "Rays from a point: so many for each pixel along columns and rows, 1 to 64")
         ->capture_default_str()
         ->type_name("N");
     app.option_defaults()->group("Options");

@@ -19,6 +19,7 @@ constexpr double kNearest = 1;     ///< slices from the point to the first one t
 constexpr double kSteepest = 1.9;  ///< slope of a ray that is kept: the router takes it two voxels on in a slice
 constexpr double kMost = 2;        ///< voxels from a ray to the next
 constexpr double kApart = 1 + 1e-9;
+constexpr double kLeastSpacing = 0.01, kMostRays = 64;  ///< passes grow with the square of both: no end beyond
 
 Matrix3 rows(const Vec3& a, const Vec3& b, const Vec3& c) {
     return Matrix3(a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z);
@@ -213,8 +214,8 @@ std::vector<Place<typename Arithmetic::Weight>> placesOf(const Arithmetic& arith
 }  // namespace
 
 void RaySampling::validate() const {
-    requireField(leastSpacing > 0 && leastSpacing <= 1, "leastSpacing", leastSpacing, "in (0,1]");
-    requireField(raysPerPixel >= 1 && std::isfinite(raysPerPixel), "raysPerPixel", raysPerPixel, "at least 1");
+    requireField(leastSpacing >= kLeastSpacing && leastSpacing <= 1, "leastSpacing", leastSpacing, "in [0.01,1]");
+    requireField(raysPerPixel >= 1 && raysPerPixel <= kMostRays, "raysPerPixel", raysPerPixel, "in [1,64]");
 }
 
 LatticeRange PerspectiveFront::rangeAt(int level) const {

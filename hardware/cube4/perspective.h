@@ -35,8 +35,9 @@ struct MemoryBox {
 
 /// How closely rays are set.
 struct RaySampling {
-    double leastSpacing = 0.5;  ///< voxels, in (0,1]: closer ones are merged. Below 1 slices are passed several times
-    double raysPerPixel = 1;    ///< along u, and along v; at least 1
+    double leastSpacing =
+        0.5;                  ///< voxels, in [0.01,1]: closer ones are merged. Below 1 slices are passed several times
+    double raysPerPixel = 1;  ///< along u, and along v; in [1,64]
 
     /// @throw InvalidArgument naming field, value and bound
     void validate() const;

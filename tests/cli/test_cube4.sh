@@ -137,6 +137,8 @@ refuse 1 "along" render lit.vdb -o out/a.png --view 0,0,1
 refuse 2 "--fov" render lit.vdb -o out/a.png --eye 0,-3,0 --fov 180
 refuse 2 "--lambert" render lit.vdb -o out/a.png --eye 0,-3,0 --lambert
 refuse 2 "--least-spacing" reconstruct --replay cone.json -o out/a.vdb --least-spacing 2
+refuse 2 "--least-spacing" reconstruct --replay cone.json -o out/a.vdb --least-spacing 1e-9
+refuse 2 "--rays-per-pixel" reconstruct --replay cone.json -o out/a.vdb --rays-per-pixel 1e9
 refuse 2 ".exr or .png" render lit.vdb -o out/a.jpg --view 0,1,0
 refuse 1 "radiosity" render cloud.vdb -o out/a.png --view 0,1,0
 refuse 1 "which is for another subcommand" illuminate --replay ct.json

@@ -93,6 +93,7 @@ refuse 2 "fov" lit.vdb -o old.exr --fov 180
 refuse 2 "--ortho" lit.vdb -o old.exr --ortho 2 --fov 30
 refuse 2 "orthoWidth" lit.vdb -o old.exr --ortho 0
 refuse 2 "step" lit.vdb -o old.exr --step 0
+refuse 2 "step" lit.vdb -o old.exr --step 1e-9
 refuse 2 "samples" lit.vdb -o old.exr --samples 0
 refuse 2 "--background" lit.vdb -o old.exr --background -1
 refuse 2 "--exposure" lit.vdb -o old.exr --exposure inf

@@ -118,6 +118,7 @@ refuse 2 "--backdrop" tri.vdb -o new --backdrop 1,2
 refuse 2 "--size" tri.vdb -o new --size 40
 refuse 2 "--format" tri.vdb -o new --format jpg
 refuse 2 "--step 0" tri.vdb -o new --step 0
+refuse 2 "--step 1e-09" tri.vdb -o new --step 1e-9
 refuse 2 "up" tri.vdb -o new --up 0,0,0
 expect_exit 1 bash -c "ulimit -f 16; exec '$raysweep' shoot tri.vdb -o new --views 2 --size 200,200 --format exr"
 expect_match "cannot write"

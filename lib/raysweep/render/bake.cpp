@@ -6,7 +6,6 @@
 #include "raysweep/mesh/mesh_shells.h"
 #include "raysweep/render/occupancy.h"
 #include "raysweep/render/sampler.h"
-#include "raysweep/volume/voxel_check.h"
 
 #include <algorithm>
 #include <cmath>
@@ -196,7 +195,7 @@ void BakeOptions::validate() const {
 BakedMesh bakeRadiosity(const RenderInput& volume, const TriangleMesh& mesh, const BakeOptions& options,
                         const ProgressCallback& progress) {
     options.validate();
-    const RenderVolume checked(volume);
+    volume.validate();
     if (options.atlas > 0 && mesh.texture.empty())
         throw about("atlas", InvalidArgument("the mesh has no texture coordinates"));
     return volume.radiosity->isType<openvdb::FloatGrid>() ? bake<openvdb::FloatGrid>(volume, mesh, options, progress)

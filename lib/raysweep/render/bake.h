@@ -39,7 +39,8 @@ struct BakeOptions {
 /// so that the picture is that of `render` whatever part of a voxel the surface covers. Normals are cornerNormals.
 /// In the atlas row 0 is v = 1; texels that no triangle covers take the mean of those beside them, four texels far, so
 /// that interpolation at seams finds no black.
-/// @throw InvalidArgument for options out of range, what RenderVolume refuses, and an atlas without texture coordinates
+/// @throw InvalidArgument for options out of range, what RenderInput::validate refuses, and an atlas without texture
+/// coordinates
 BakedMesh bakeRadiosity(const RenderInput& volume, const TriangleMesh& mesh, const BakeOptions& options = {},
                         const ProgressCallback& progress = {});
 

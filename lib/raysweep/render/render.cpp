@@ -25,11 +25,16 @@ using openvdb::Vec3SGrid;
 constexpr int kBucketSide = 16;       // pixels; rays of one bucket meet the same nodes
 constexpr int kBucketsPerGroup = 64;  // between two calls of the progress callback
 
-Mat4d affineMatrix(const openvdb::GridBase& grid, const char* name) {
+constexpr double kShortestStep = 0.01;  // voxels: a picture takes as many times longer, and looks the same
+
+void requireLinear(const openvdb::GridBase& grid, const char* name) {
     if (!grid.transform().isLinear())
         throw InvalidArgument(std::string(name) + " grid '" + grid.getName() +
                               "' has a perspective transform; resample it to a linear one first");
-    return grid.transform().baseMap()->getAffineMap()->getMat4();
+}
+
+Mat4d indexFromWorld(const openvdb::GridBase& grid) {
+    return grid.transform().baseMap()->getAffineMap()->getMat4().inverse();
 }
 
 struct Pixel {
@@ -113,14 +118,13 @@ openvdb::CoordBBox boundsOf(const Int32Tree& occupied) {
     return bounds;
 }
 
-/// Checks emission, and makes its blocks.
+/// Makes the blocks of emission.
 void prepareFire(RenderVolume::Content& volume, const openvdb::GridBase::ConstPtr& emission) {
     withTypedGrid(*emission, [&](const auto& grid) {
         using Grid = std::decay_t<decltype(grid)>;
-        checkVoxels(grid, "emission");
         const auto clean = zeroWhereInactive(openvdb::gridConstPtrCast<Grid>(emission));
         const Int32Tree::Ptr occupied = occupancy(*clean);
-        volume.fire.indexFromWorld = affineMatrix(grid, "emission").inverse();
+        volume.fire.indexFromWorld = indexFromWorld(grid);
         volume.fire.bounds = boundsOf(*occupied);
         volume.fire.blocks = makeBlocks(occupied, *clean);
         volume.emission = clean;
@@ -128,11 +132,10 @@ void prepareFire(RenderVolume::Content& volume, const openvdb::GridBase::ConstPt
     if (volume.fire.bounds.empty()) volume.emission = nullptr;
 }
 
-/// Checks what holds for radiosity, and makes the blocks.
+/// Makes the blocks of density and radiosity.
 template <class RadiosityGrid>
 void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
-    checkVoxels(radiosity, radiosity.getName().empty() ? "radiosity" : radiosity.getName());
-    volume.radiosityFromWorld = affineMatrix(radiosity, "radiosity").inverse();
+    volume.radiosityFromWorld = indexFromWorld(radiosity);
     const Int32Tree::Ptr occupied = occupancy(*volume.density);
     volume.smoke.bounds = boundsOf(*occupied);
     volume.smoke.blocks = radiosity.transform() == volume.density->transform()
@@ -140,17 +143,25 @@ void prepare(RenderVolume::Content& volume, const RadiosityGrid& radiosity) {
                               : makeBlocks(occupied, *volume.density);
 }
 
-void requireInput(const RenderInput& input) {
-    if (!input.density) throw InvalidArgument("render: no density grid is given");
-    if (!input.radiosity) throw InvalidArgument("render: no radiosity grid is given; light the volume first");
-    requireField(input.extinctionScale >= 0 && std::isfinite(input.extinctionScale), "extinctionScale",
-                 input.extinctionScale, "finite and not negative");
-}
-
 }  // namespace
 
+void RenderInput::validate() const {
+    if (!density) throw InvalidArgument("render: no density grid is given");
+    if (!radiosity) throw InvalidArgument("render: no radiosity grid is given; light the volume first");
+    requireField(extinctionScale >= 0 && std::isfinite(extinctionScale), "extinctionScale", extinctionScale,
+                 "finite and not negative");
+    checkVoxels(*density, "density");
+    requireLinear(*density, "density");
+    const auto check = [](const openvdb::GridBase& some, const std::string& name, const char* kind) {
+        withTypedGrid(some, [&](const auto& grid) { checkVoxels(grid, name); });
+        requireLinear(some, kind);
+    };
+    check(*radiosity, radiosity->getName().empty() ? "radiosity" : radiosity->getName(), "radiosity");
+    if (emission) check(*emission, "emission", "emission");
+}
+
 void RenderOptions::validate() const {
-    requireField(step > 0 && step <= 8, "step", step, "above 0 and at most 8 voxels");
+    requireField(step >= kShortestStep && step <= 8, "step", step, "between 0.01 and 8 voxels");
     requireField(samples >= 1 && samples <= 64, "samples", samples, "between 1 and 64 per side of a pixel");
     requireField(minTransmittance >= 0 && minTransmittance < 1, "minTransmittance", minTransmittance, "in [0,1)");
     for (int c = 0; c < 3; ++c)
@@ -159,13 +170,12 @@ void RenderOptions::validate() const {
 }
 
 RenderVolume::RenderVolume(const RenderInput& input) {
-    requireInput(input);
+    input.validate();
     auto content = std::make_shared<Content>();
-    checkVoxels(*input.density, "density");
     content->density = zeroWhereInactive(input.density);
     content->radiosity = input.radiosity;
     content->extinctionScale = input.extinctionScale;
-    content->smoke.indexFromWorld = affineMatrix(*content->density, "density").inverse();
+    content->smoke.indexFromWorld = indexFromWorld(*content->density);
     withTypedGrid(*input.radiosity, [&](const auto& radiosity) { prepare(*content, radiosity); });
     if (input.emission) prepareFire(*content, input.emission);
     content_ = std::move(content);

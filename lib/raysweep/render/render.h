@@ -25,6 +25,10 @@ struct RenderInput {
     /// part of radiosity. FloatGrid or Vec3SGrid, non-negative and finite, 0 where inactive; any linear transform and
     /// resolution. May be null.
     openvdb::GridBase::ConstPtr emission = nullptr;
+
+    /// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative values
+    /// (with its voxel)
+    void validate() const;
 };
 
 /// A volume made ready for pictures: checked, and copied to where rays find it quickly, which takes 6 bytes per voxel
@@ -32,8 +36,7 @@ struct RenderInput {
 /// its grids must stay as they are.
 class RenderVolume {
   public:
-    /// @throw InvalidArgument for null grids, other grid types, non-linear transforms, NaN, infinite or negative values
-    /// (with its voxel)
+    /// @throw InvalidArgument as RenderInput::validate, and if it needs more memory than there is
     explicit RenderVolume(const RenderInput& input);
 
     struct Content;
@@ -44,7 +47,7 @@ class RenderVolume {
 };
 
 struct RenderOptions {
-    double step = 0.5;               ///< distance between samples, voxels of the density, in (0,8]; with emission at
+    double step = 0.5;               ///< distance between samples, voxels of the density, in [0.01,8]; with emission at
                                      ///< most 1/4, and of emission so many of its own voxels, too, at most 1/8
     int samples = 1;                 ///< rays per pixel along each side: n means n x n on a regular grid, in [1,64]
     Color background = grey(0);      ///< radiance behind the volume, not negative

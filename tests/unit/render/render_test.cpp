@@ -519,7 +519,7 @@ TEST(Render, RefusesWhatItCannotRender) {
         spoil(options);
         EXPECT_THROW(render(input(density, 1), Camera(), options), InvalidArgument);
     };
-    for (double step : {0.0, -1.0, 9.0, std::nan("")}) refuses([&](RenderOptions& o) { o.step = step; });
+    for (double step : {0.0, -1.0, 1e-9, 0.0099, 9.0, std::nan("")}) refuses([&](RenderOptions& o) { o.step = step; });
     for (int samples : {0, 65}) refuses([&](RenderOptions& o) { o.samples = samples; });
     refuses([](RenderOptions& o) { o.background.y = -1; });
     refuses([](RenderOptions& o) { o.minTransmittance = 1; });
