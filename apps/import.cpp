@@ -68,7 +68,7 @@ void addOptions(CLI::App& app, Arguments& a) {
     app.option_defaults()->group("Values");
     app.add_option("--normalize", a.normalize,
                    "Map to [0,1] first: the type's range, the data's range, or none; auto: type for unsigned integers, "
-                   "none for others, for DICOM, and with --scale or --offset")
+                   "none for others, for what the file rescales, for DICOM, and with --scale or --offset")
         ->check(CLI::IsMember(kNormalizations).description(""))
         ->type_name("auto|type|data|none")
         ->capture_default_str();

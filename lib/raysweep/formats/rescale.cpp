@@ -44,6 +44,8 @@ void rescale(StoredVolume& volume, const Rescaling& rescaling) {
     rescaleInto(volume.samples.get(), volume.type, volume.count(), rescaling, type, numbers.get());
     volume.samples = std::move(numbers);
     volume.type = type;
+    volume.highest = 0;
+    volume.calibrated = true;
 }
 
 }  // namespace raysweep

@@ -16,7 +16,8 @@ struct Rescaling {
 /// where samples have 32 or more.
 SampleType rescaledType(SampleType type, const Rescaling& rescaling);
 
-/// Replaces the samples by the numbers. @throw InvalidArgument if there is not enough memory
+/// Replaces the samples by the numbers, which are what was measured: a slope or intercept says so. @throw
+/// InvalidArgument if there is not enough memory
 void rescale(StoredVolume& volume, const Rescaling& rescaling);
 
 /// `count` samples of `from` become numbers of `to`, the type that rescaledType gave or a floating-point one.

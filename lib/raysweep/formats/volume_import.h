@@ -16,7 +16,8 @@ namespace raysweep {
 
 /// What samples are mapped to [0,1] from before anything else.
 enum class Normalization {
-    automatic,  ///< `type` for unsigned integers, `none` for others, for DICOM, and where scale or offset are given
+    automatic,  ///< `type` for unsigned integers as stored, `none` for others, for what the file itself rescales, for
+                ///< DICOM, and where scale or offset are given
     type,       ///< the range of the integer type: 0..255, -32768..32767
     data,       ///< the range of the samples that are kept
     none        ///< nothing: voxels have the numbers of the file
@@ -55,7 +56,7 @@ struct ImportedVolume {
 /// Reads `files`: one file of NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .hdr with .img) or raw
 /// samples; the files of a DICOM series; grey pictures (TIFF, PNG ...) in natural order of their names, one slice
 /// each, or all pages of one file; or one folder that holds a DICOM series or pictures. Index (i,j,k) is column, row
-/// and slice; i runs fastest in the file. The grid's transform puts it where the file says (see readItkVolume), with
+/// and slice; i runs fastest in the file. The grid's transform puts it where the file says (docs/import.md), with
 /// voxel centres on the samples; files without a place start at the origin with spacing 1.
 /// @throw InvalidArgument for options out of bounds, what a volume cannot be made of (see the readers), a crop outside
 /// the volume, and values that are NaN or infinite (it names the first) unless `repair` is set.

@@ -82,6 +82,19 @@ TEST_F(MetaImage, PlacesAndIntensitiesAreThoseOfTheHeader) {
         EXPECT_EQ(volume.grid->tree().getValue(at), 2 * label(at.x(), at.y(), at.z()) - 1000);
 }
 
+// Whatever the slope, and whatever type the numbers then fit: it is not for that to say what is mapped to [0,1].
+TEST_F(MetaImage, NumbersThatTheFileRescalesStayAsTheyAre) {
+    const std::string header = "ObjectType = Image\nNDims = 3\nDimSize = 3 1 1\nElementType = MET_UCHAR\n";
+    for (const int slope : {1, 2, 100, 200, 300}) {
+        const std::string tag = "ElementToIntensityFunctionSlope = " + std::to_string(slope) + "\n";
+        writeFile(folder / "a.mha", header + tag + "ElementDataFile = LOCAL\n", std::string("\0\1\377", 3));
+        const ImportedVolume volume = importVolume({folder / "a.mha"}, {});
+        const float unit = slope == 1 ? 1 / 255.0f : float(slope);
+        EXPECT_FLOAT_EQ(volume.grid->tree().getValue(Coord(1, 0, 0)), unit) << slope;
+        EXPECT_FLOAT_EQ(volume.grid->tree().getValue(Coord(2, 0, 0)), 255 * unit) << slope;
+    }
+}
+
 TEST_F(MetaImage, ChannelsAndVolumesAreListedAndChosen) {
     std::vector<std::int16_t> samples;
     for (const std::int16_t number : numbers)

@@ -76,6 +76,16 @@ TEST_F(Nifti, ASlopeOf0MeansNoScalingWhateverTheIntercept) {
     expectError({changed([](auto& b) { poke(b, kSlope, 1.0f), poke(b, kInter, INFINITY); })}, "not finite");
 }
 
+TEST_F(Nifti, NumbersThatTheFileRescalesStayAsTheyAre) {
+    for (const float slope : {1.0f, 100.0f, 200.0f}) {  // what 200 makes fits 16 bits without a sign
+        std::string bytes = changedHeader(2, 8);
+        poke(bytes, kSlope, slope);
+        bytes += std::string(60, '\1');
+        const float one = slope == 1 ? 1 / 255.0f : slope;
+        EXPECT_FLOAT_EQ(importVolume({file(bytes)}, {}).grid->tree().getValue(Coord(1, 1, 1)), one) << slope;
+    }
+}
+
 TEST_F(Nifti, ShearedVolumesKeepTheirPlace) {
     NiftiImage image{{3, 4, 5}, labels<std::int16_t>(kDims)};
     const float rows[3][4] = {{2, 0.5f, 0, 1}, {0, 3, 0, 2}, {0, 0, 4, 3}};
