@@ -70,6 +70,12 @@ PictureLayout layoutOfImageJ(const std::string& path, const std::string& descrip
     return layout;
 }
 
+/// Before any page is counted.
+void requireFewPages(const std::string& path, const PictureLayout& layout) {
+    if (double(layout.channels) * layout.slices * layout.frames > kMostPages)
+        failRead(path, layout.program + " promises more pages than there can be");
+}
+
 /// Pages must be in the order that DimensionOrder says, in this file.
 void requirePlainOrder(const std::string& path, const pugi::xml_node& pixels, const PictureLayout& layout) {
     const auto refuse = [&](const std::string& why) {
@@ -80,9 +86,11 @@ void requirePlainOrder(const std::string& path, const pugi::xml_node& pixels, co
         if (!file.empty() && file != path.substr(path.find_last_of('/') + 1))
             refuse("whose pages are in other files, too");
         if (!data.attribute("IFD")) continue;
-        const int page = layout.page(data.attribute("FirstC").as_int(), data.attribute("FirstZ").as_int(),
-                                     data.attribute("FirstT").as_int());
-        if (data.attribute("IFD").as_int() != page) refuse("whose pages are in an order of their own");
+        const int c = data.attribute("FirstC").as_int(), z = data.attribute("FirstZ").as_int(),
+                  t = data.attribute("FirstT").as_int();
+        const bool within = c >= 0 && c < layout.channels && z >= 0 && z < layout.slices && t >= 0 && t < layout.frames;
+        if (!within || data.attribute("IFD").as_int() != layout.page(c, z, t))
+            refuse("whose pages are in an order of their own");
     }
 }
 
@@ -120,6 +128,7 @@ PictureLayout layoutOfOme(const std::string& path, const std::string& descriptio
         layout.channelNames.push_back(channel.attribute("Name").value());
     }
     if (samples > 1 && layout.channels % samples == 0) layout.channels /= samples;
+    requireFewPages(path, layout);
     requirePlainOrder(path, pixels, layout);
     const char* const kAxes[] = {"X", "Y", "Z"};
     for (int axis = 0; axis < 3; ++axis) {
@@ -156,8 +165,7 @@ PictureLayout pictureLayout(const std::string& path, const std::string& descript
         layout = layoutOfImageJ(path, description, columnsPerUnit, rowsPerUnit);
     else if (description.find("<OME") != std::string::npos)
         layout = layoutOfOme(path, description);
-    if (double(layout.channels) * layout.slices * layout.frames > kMostPages)
-        failRead(path, layout.program + " promises more pages than there can be");
+    requireFewPages(path, layout);
     return layout;
 }
 

@@ -1,5 +1,6 @@
 #include "raysweep/formats/picture_volume.h"
 
+#include "raysweep/core/claimed_room.h"
 #include "raysweep/core/error.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/formats/header_lines.h"
@@ -92,7 +93,7 @@ void addFile(const std::vector<std::string>& files, std::size_t n, const VolumeC
     const std::string& path = files[n];
     const auto file = openStoredPicture(path);
     std::vector<int> pages;
-    for (int page = 0; page < file->pages(); ++page)
+    for (int page = 0, end = file->pages(); page < end; ++page)  // asking how many may read through all
         if (!file->page(page).extra) pages.push_back(page);
     if (pages.empty()) failRead(path, "it has no picture but smaller copies and masks");
     const PicturePage first = file->page(pages.front());
@@ -117,13 +118,10 @@ void addFile(const std::vector<std::string>& files, std::size_t n, const VolumeC
     for (const int page : pages) plan.slices.push_back({n, page, channel});
 }
 
-/// No picture is packed into less than this part of its size: a header that promises more is damaged.
-void requireRoom(const std::vector<std::string>& files, double bytes) {
-    constexpr double kMostPacked = 1 << 17;
+double bytesIn(const std::vector<std::string>& files) {
     double size = 0;
     for (const std::string& file : files) size += double(sizeOfFile(file));
-    if (bytes > size * kMostPacked)
-        failRead(files.front(), "it claims to have more pixels than a file of its size can hold; it is damaged");
+    return size;
 }
 
 /// Where pixels are, if anything says so.
@@ -149,7 +147,7 @@ StoredVolume readPictures(const std::vector<std::string>& files, const VolumeCho
     volume.dims = Index3(plan.first.width, plan.first.height, int(plan.slices.size()));
     placeVolume(plan, volume);
     const std::size_t sliceBytes = std::size_t(plan.first.width) * std::size_t(plan.first.height) * sizeOf(volume.type);
-    requireRoom(files, double(sliceBytes) * double(plan.slices.size()));
+    requireRoom(files.front(), double(sliceBytes) * double(plan.slices.size()), bytesIn(files));
     requireBytes(double(sliceBytes) * double(plan.slices.size()), "'" + files.front() + "': the pictures need",
                  "take fewer or smaller ones");
     volume.samples.reset(new std::byte[sliceBytes * plan.slices.size()]);
@@ -163,11 +161,7 @@ StoredVolume readPictures(const std::vector<std::string>& files, const VolumeCho
         requireSlice(file->page(slice.page), plan.first, path, slice.page);
         file->readSamples(slice.page, slice.channel, volume.samples.get() + n * sliceBytes);
     }
-    if (!plan.layout.rescaling.isNone()) {
-        rescale(volume, plan.layout.rescaling);
-        volume.highest = 0;
-        volume.calibrated = true;
-    }
+    rescale(volume, plan.layout.rescaling);
     return volume;
 }
 

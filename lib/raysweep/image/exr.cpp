@@ -1,5 +1,6 @@
 #include "raysweep/image/exr.h"
 
+#include "raysweep/core/claimed_room.h"
 #include "raysweep/core/parallel.h"
 #include "raysweep/image/exr_header.h"
 
@@ -116,7 +117,7 @@ class ExrFile : public PictureFile {
         page.typeName = "uint";
         for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++page.channels)
             if (c.channel().type != Imf::UINT) page.type = SampleType::float32, page.typeName = "float";
-        requireRoom(header, double(page.width) * page.height, page.channels);
+        requireRoomFor(header, page);
         page.channelNames = orderedChannels(header.channels());
         page.left = window.min.x;
         page.top = window.min.y;
@@ -153,14 +154,12 @@ class ExrFile : public PictureFile {
     }
 
   private:
-    /// No coding packs pixels into less than this part of their size. OpenEXR takes the memory for a tile at once.
-    void requireRoom(const Imf::Header& header, double pixels, int channels) const {
-        constexpr double kMostPacked = 1 << 17;
-        const double most = kMostPacked * double(std::filesystem::file_size(path_)) / (4.0 * channels);
+    /// OpenEXR takes the memory for a tile at once.
+    void requireRoomFor(const Imf::Header& header, const PicturePage& page) const {
         const bool tiled = header.hasTileDescription();
         const double tile = tiled ? double(header.tileDescription().xSize) * header.tileDescription().ySize : 0;
-        if (pixels > most || tile > most)
-            failToRead(path_, "it claims to have more pixels than a file of its size can hold; it is damaged");
+        const double pixels = std::max(double(page.width) * page.height, tile);
+        requireRoom(path_, 4 * pixels * page.channels, double(std::filesystem::file_size(path_)));
     }
 
     static bool whole(const Imf::ChannelList& channels, const std::string& name) {
@@ -176,7 +175,8 @@ class ExrFile : public PictureFile {
 
     void insert(Imf::FrameBuffer& frame, int number, const std::string& name, const Target& target) {
         const Imath::Box2i& window = file_.header(number).dataWindow();
-        const std::size_t pixel = 4 * target.stride, row = pixel * std::size_t(page(number).width);
+        const std::size_t width = std::size_t(std::int64_t(window.max.x) - window.min.x + 1);
+        const std::size_t pixel = 4 * target.stride, row = pixel * width;
         frame.insert(name, Imf::Slice::Make(target.type, target.to, window, pixel, row));
     }
 

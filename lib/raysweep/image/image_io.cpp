@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
+#include "raysweep/core/memory.h"
 #include "raysweep/core/module.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/core/regular_file.h"
@@ -114,6 +115,8 @@ Image readStored(const std::string& path, PicturePage& page) {
     page = file->page(0);
     if (page.depth > 1) failToRead(path, std::string("it has a depth of its own") + kGivePicture);
     requireWhole(path);
+    requireBytes(double(page.width) * page.height * page.channels * sizeof(float), "'" + path + "': the picture needs",
+                 "take a smaller one");
     Image image(page.width, page.height, page.channels);
     file->readFloats(0, image.pixels.data());
     return image;

@@ -1,14 +1,17 @@
 /// The module `raysweep_pictures`: all of OpenImageIO, and the hundreds of libraries behind it. Loaded when a picture
-/// is read or written that is no EXR (picture_formats.h). It uses nothing of the library but headers.
+/// is read or written that is no EXR (picture_formats.h). Of the library it uses headers, and memory.h.
+#include "raysweep/core/claimed_room.h"
 #include "raysweep/core/error.h"
 #include "raysweep/image/picture_formats.h"
 #include "raysweep/image/tiff_file.h"
 
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 namespace raysweep {
@@ -105,6 +108,7 @@ class OiioFile : public PictureFile {
         page.straightAlpha = isStraight;
         page.channelNames = spec.channelnames;
         page.highest = highest_;
+        requireRoomFor(spec);
         return page;
     }
 
@@ -135,6 +139,18 @@ class OiioFile : public PictureFile {
                     numbers[n] = Sample((numbers[n] * top + kFull - 1) / kFull);
                 }
         });
+    }
+
+    /// OpenImageIO takes the memory for a tile at once.
+    void requireRoomFor(const OIIO::ImageSpec& spec) const {
+        const auto volumeOf = [](int x, int y, int z) { return double(x) * y * std::max(1, z); };
+        const double pixels = std::max(volumeOf(spec.width, spec.height, spec.depth),
+                                       volumeOf(spec.tile_width, spec.tile_height, spec.tile_depth));
+        const int bits = spec.get_int_attribute("oiio:BitsPerSample", int(8 * spec.format.size()));
+        std::error_code error;
+        const double size = double(std::filesystem::file_size(path_, error));
+        if (error) failToRead(path_, error.message());
+        requireRoom(path_, pixels * spec.nchannels * bits / 8, size);
     }
 
     /// What OpenImageIO makes of inks is no more than a rule of thumb: how they look is up to paper and profile.

@@ -3,6 +3,9 @@
 // reads floats of 24 bits as zeros.
 #include "raysweep/image/tiff_file.h"
 
+#include "raysweep/core/claimed_room.h"
+#include "raysweep/core/memory.h"
+
 #include <half.h>
 #include <tiffio.h>
 
@@ -118,6 +121,8 @@ class TiffFile : public PictureFile {
         file_.reset(TIFFOpenExt(path.c_str(), "rm", options));  // m: a file that is cut meanwhile is no signal
         TIFFOpenOptionsFree(options);
         if (!file_) fail("it is no TIFF, or damaged");
+        std::ifstream in(path, std::ios::binary | std::ios::ate);
+        fileBytes_ = double(in.tellg());
         constexpr std::size_t kMostPages = 1 << 20;
         do {
             directories_.push_back(current());
@@ -137,6 +142,7 @@ class TiffFile : public PictureFile {
         if (d.width < 1 || d.height < 1 || d.width > kLargest || d.height > kLargest)
             fail("it claims to have " + std::to_string(d.width) + "x" + std::to_string(d.height) +
                  " pixels; it is damaged");
+        requireRoom(path_, double(d.width) * d.height * d.samples * d.bits / 8, fileBytes_);
         PicturePage page;
         page.width = int(d.width);
         page.height = int(d.height);
@@ -206,8 +212,7 @@ class TiffFile : public PictureFile {
         const Directory& d = directories_[0];
         const std::uint64_t* offsets = nullptr;
         TIFFGetField(file_.get(), d.tiled ? TIFFTAG_TILEOFFSETS : TIFFTAG_STRIPOFFSETS, &offsets);
-        std::ifstream in(path_, std::ios::binary | std::ios::ate);
-        const auto size = std::uint64_t(in.tellg());
+        const auto size = std::uint64_t(fileBytes_);
         sliceBytes_ = std::uint64_t(d.width) * d.height * (d.bits / 8u) * d.samples;
         const bool plain = d.compression == COMPRESSION_NONE && !d.tiled && offsets && d.bits % 8 == 0 &&
                            d.samples == 1 && typeOf(d) && sliceBytes_ > 0;
@@ -241,13 +246,20 @@ class TiffFile : public PictureFile {
         if (!TIFFSetSubDirectory(file_.get(), d.offset)) fail("a page cannot be read");
     }
 
+    /// For a row or a tile. @param bytes as libtiff counts them @param least what is needed of them
+    std::vector<std::uint8_t> memoryFor(tmsize_t bytes, std::size_t least, const std::string& what) const {
+        if (bytes < 0 || std::size_t(bytes) < least) fail(what + " are smaller than its header says");
+        requireRoom(path_, double(bytes), fileBytes_);
+        requireBytes(double(bytes), "'" + path_ + "': each of " + what + " needs", "save it in smaller ones first");
+        return std::vector<std::uint8_t>(std::size_t(bytes));
+    }
+
     void readRows(const Directory& d, std::uint16_t channel, std::byte* to) {
         open(d);
         const bool apart = d.planes == PLANARCONFIG_SEPARATE;
         const std::size_t stride = apart ? 1 : d.samples, size = sizeOf(*typeOf(d));
         const std::size_t least = (std::size_t(d.width) * stride * d.bits + 7) / 8;
-        std::vector<std::uint8_t> row(std::size_t(std::max<tmsize_t>(0, TIFFScanlineSize(file_.get()))));
-        if (row.size() < least) fail("its rows are shorter than its header says");
+        std::vector<std::uint8_t> row = memoryFor(TIFFScanlineSize(file_.get()), least, "its rows");
         for (std::uint32_t y = 0; y < d.height; ++y, to += d.width * size) {
             if (TIFFReadScanline(file_.get(), row.data(), y, apart ? channel : std::uint16_t(0)) < 0)
                 fail("row " + std::to_string(y) + " cannot be read");
@@ -264,8 +276,7 @@ class TiffFile : public PictureFile {
         TIFFGetField(file_.get(), TIFFTAG_TILELENGTH, &height);
         if (width < 1 || height < 1 || width > kLargest || height > kLargest) fail("its tiles have no size");
         const std::size_t rowBytes = (std::size_t(width) * stride * d.bits + 7) / 8;
-        std::vector<std::uint8_t> tile(std::size_t(std::max<tmsize_t>(0, TIFFTileSize(file_.get()))));
-        if (tile.size() < rowBytes * height) fail("its tiles are smaller than its header says");
+        std::vector<std::uint8_t> tile = memoryFor(TIFFTileSize(file_.get()), rowBytes * height, "its tiles");
         for (std::uint32_t y = 0; y < d.height; y += height)
             for (std::uint32_t x = 0; x < d.width; x += width) {
                 if (TIFFReadTile(file_.get(), tile.data(), x, y, 0, apart ? channel : std::uint16_t(0)) < 0)
@@ -308,6 +319,7 @@ class TiffFile : public PictureFile {
     std::vector<Directory> directories_;
     std::size_t slices_ = 0;  ///< of a stack with one directory; 0: pages are directories
     std::uint64_t firstSlice_ = 0, sliceBytes_ = 0;
+    double fileBytes_ = 0;
 };
 
 }  // namespace

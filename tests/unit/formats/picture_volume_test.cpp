@@ -9,6 +9,8 @@
 #include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
 
+#include "raysweep/image/image_io.h"
+#include "support/expect_error.h"
 #include "unit/formats/import_fixture.h"
 
 using namespace raysweep;
@@ -202,6 +204,20 @@ TEST_F(Pictures, HyperstacksAreListedAndChosenFrom) {
                 "more pages than there can be");
 }
 
+// Their product fits no int.
+TEST_F(Pictures, SizesOfOmeXmlAreHeldAgainstWhatThereCanBeBeforePagesAreCounted) {
+    const std::string sizes =
+        "<OME><Image><Pixels DimensionOrder=\"XYCZT\" SizeC=\"1048576\" SizeZ=\"1048576\" SizeT=\"2\">";
+    const std::string last = "<TiffData IFD=\"1\" FirstC=\"1048575\" FirstZ=\"1048575\" FirstT=\"1\"/>";
+    const std::string end = "</Pixels></Image></OME>";
+    expectError({stack(2, sizes + last + end)}, "OME-XML promises more pages than there can be");
+    const std::string few = "<OME><Image><Pixels DimensionOrder=\"XYCZT\" SizeC=\"1\" SizeZ=\"2\" SizeT=\"1\">";
+    expectError({stack(2, few + "<TiffData IFD=\"1\" FirstZ=\"2147483647\" FirstC=\"2147483647\"/>" + end)},
+                "in an order of their own");
+    expectLabels(importVolume({stack(2, few + "<TiffData IFD=\"1\" FirstZ=\"1\"/>" + end)}, asStored()),
+                 Index3(3, 4, 2));
+}
+
 TEST_F(Pictures, ImageJsCalibrationIsApplied) {
     const auto straight = importVolume({stack(2, "ImageJ=1.53t\nimages=2\nslices=2\ncf=0\nc0=-32768\nc1=1\n")}, {});
     EXPECT_EQ(straight.grid->tree().getValue(Coord(2, 3, 1)), label(2, 3, 1) - 32768);
@@ -219,6 +235,22 @@ TEST_F(Pictures, GreyOfFewerBitsInOtherFormats) {
 TEST_F(Pictures, HeadersMayNotPromiseMoreThanTheirFilesCanHold) {
     expectError({page(tiffFields(60000, 60000, 8), "few")}, "more pixels than a file of its size can hold");
     expectError({page(tiffFields(2000000, 2, 8), "few")}, "it is damaged");
+}
+
+// Libraries take memory for a tile, or for a row of pixels, as large as these say they are: 4 GB for 200 bytes.
+TEST_F(Pictures, TilesAndRowsMayNotBeLargerThanTheirFilesCanHold) {
+    std::vector<TiffField> fields = tiffFields(16, 16, 8);
+    for (const std::uint16_t tag : {322, 323}) fields.emplace_back(tag, 65536u);
+    fields.emplace_back(324, 8u);
+    fields.emplace_back(325, 4u);
+    const std::string tiled = page(fields, "tile");
+    expectError({tiled}, "more pixels than a file of its size can hold");
+    test::expectError<IoError>([&] { readImage(tiled); }, "more pixels than a file of its size can hold");
+    fields = tiffFields(60000, 1, 8);
+    fields[5] = TiffField(277, 65535u);
+    ImportOptions options;
+    options.channel = 0;
+    expectError({page(fields, "row")}, "more pixels than a file of its size can hold", options);
 }
 
 TEST_F(Pictures, ChannelsAndPartsOfAnExrAreListedAndChosen) {

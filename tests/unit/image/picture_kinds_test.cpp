@@ -3,6 +3,7 @@
 #include "raysweep/image/image_io.h"
 #include "raysweep/image/jpeg_check.h"
 #include "support/files.h"
+#include "support/expect_error.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -37,6 +38,10 @@ constexpr const char* kGreyAlpha =
 constexpr const char* kColourAlpha16 =
     "89504e470d0a1a0a0000000d49484452000000010000000110060000004f8518ca0000001149444154789c63f8ffbf81"
     "8181a181010012fa02ffcc51d5240000000049454e44ae426082";
+/// 12000x12000 pixels, it says; there are none.
+constexpr const char* kLarge =
+    "89504e470d0a1a0a0000000d4948445200002ee000002ee0080600000051458cf10000000b49444154789c636080020000"
+    "090001fb52b8a90000000049454e44ae426082";
 /// 8x8 pixels of grey 128.
 constexpr const char* kJpeg =
     "ffd8ffe000104a46494600010100000100010000ffdb0043000101010101010101010101010101010101010101010101"
@@ -172,6 +177,14 @@ TEST_F(PictureKinds, ExrHeadersThatClaimMoreThanTheirFileHoldsAreRefused) {
         }
     for (std::size_t length = 4; length < whole.size(); ++length)
         EXPECT_THROW(read("cut.exr", whole.substr(0, length)), IoError) << length;
+}
+
+// 2.3 GB would be taken for 68 bytes.
+TEST_F(PictureKinds, PicturesMayNotBeLargerThanTheirFilesCanHold) {
+    const std::string path = file("a.png", fromHex(kLarge));
+    test::expectError<IoError>([&] { readImage(path); },
+                               "a.png': it claims to have more pixels than a file of its size");
+    test::expectError<IoError>([&] { readCoverage(path); }, "more pixels than a file of its size can hold");
 }
 
 // Coverage 128 of 255 is half a pixel, not the fifth of its light that grey 128 gives.
