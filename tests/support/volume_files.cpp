@@ -34,6 +34,18 @@ std::string placeElements(const DicomImage& image) {
     return bytes + image.relation;
 }
 
+std::string item(std::uint16_t number, const std::string& value) {
+    return little(std::uint16_t(0xfffe)) + little(number) + little(std::uint32_t(value.size())) + value;
+}
+
+std::string pixelData(const DicomImage& image) {
+    const std::string pixels = bytesOf(image.samples), reserved(2, '\0');
+    if (image.fragments.empty()) return "OW" + reserved + little(std::uint32_t(pixels.size())) + pixels;
+    std::string bytes = "OB" + reserved + std::string(4, '\xff') + item(0xe000, "");  // no table of places
+    for (const std::string& fragment : image.fragments) bytes += item(0xe000, fragment);
+    return bytes + item(0xe0dd, "");
+}
+
 std::string pixelElements(const DicomImage& image) {
     const bool color = image.channels == 3;
     std::string bytes = element(0x28, 0x2, image.channels);
@@ -45,9 +57,7 @@ std::string pixelElements(const DicomImage& image) {
     bytes += element(0x28, 0x100, 16) + element(0x28, 0x101, image.bitsStored) + element(0x28, 0x102, image.highBit);
     bytes += element(0x28, 0x103, image.isSigned ? 1 : 0) + image.pixels;
     bytes += element(0x28, 0x1052, "DS", image.intercept) + element(0x28, 0x1053, "DS", image.slope);
-    const std::string pixels = bytesOf(image.samples);
-    return bytes + little(std::uint16_t(0x7fe0)) + little(std::uint16_t(0x10)) + "OW" + std::string(2, '\0') +
-           little(std::uint32_t(pixels.size())) + pixels;
+    return bytes + little(std::uint16_t(0x7fe0)) + little(std::uint16_t(0x10)) + pixelData(image);
 }
 
 }  // namespace
@@ -86,14 +96,26 @@ std::string niftiBytes(const NiftiImage& image) {
 }
 
 std::string dicomBytes(const DicomImage& image) {
-    const std::string ct = "1.2.840.10008.5.1.4.1.1.2", explicitLittle = "1.2.840.10008.1.2.1";
+    const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
+    const std::string syntax = image.fragments.empty() ? "1.2.840.10008.1.2.1" : "1.2.840.10008.1.2.5";
     const std::string instance = image.series + "." + std::to_string(image.number);
-    const std::string meta =
-        element(2, 2, "UI", ct) + element(2, 3, "UI", instance) + element(2, 0x10, "UI", explicitLittle);
+    const std::string meta = element(2, 2, "UI", ct) + element(2, 3, "UI", instance) + element(2, 0x10, "UI", syntax);
     return std::string(128, '\0') + "DICM" + element(2, 0, "UL", little(std::uint32_t(meta.size()))) + meta +
            element(8, 0x8, "CS", image.type) + element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", instance) +
            element(8, 0x60, "CS", "CT") + element(8, 0x103e, "LO", image.description) + image.acquisition +
            placeElements(image) + pixelElements(image);
+}
+
+std::string dicomRunLengths(const std::vector<std::uint16_t>& samples) {
+    std::string high, low;
+    for (const std::uint16_t sample : samples) high += char(sample >> 8), low += char(sample);
+    const std::string literal(1, char(samples.size() - 1)), even(samples.size() % 2 == 0 ? 1 : 0, '\0');
+    const std::string segment = literal + high + even;
+    std::string header(64, '\0');
+    put(header, 0, std::uint32_t(2));
+    put(header, 4, std::uint32_t(header.size()));
+    put(header, 8, std::uint32_t(header.size() + segment.size()));
+    return header + segment + literal + low + even;
 }
 
 TiffField::TiffField(std::uint16_t tag, std::uint32_t value) : tag(tag), type(4), count(1), bytes(little(value)) {}

@@ -54,11 +54,14 @@ struct DicomImage {
     std::string slope = "1", intercept = "0";
     std::string photometric = "MONOCHROME2", type = "ORIGINAL\\PRIMARY";
     int bitsStored = 16, highBit = 15, frames = 1;
-    std::string acquisition;  ///< elements of group 18
-    std::string relation;     ///< elements of group 20, from (20,100) on
-    std::string pixels;       ///< elements of group 28, from (28,104) to (28,1050)
+    std::string acquisition;             ///< elements of group 18
+    std::string relation;                ///< elements of group 20, from (20,100) on
+    std::string pixels;                  ///< elements of group 28, from (28,104) to (28,1050)
+    std::vector<std::string> fragments;  ///< of pixels that are packed by run lengths (RLE), instead of samples
 };
 std::string dicomBytes(const DicomImage& image);
+/// A fragment with one frame of 16 bits, of at most 128 pixels: a segment of the high bytes, and one of the low ones.
+std::string dicomRunLengths(const std::vector<std::uint16_t>& samples);
 
 /// A TIFF field: its values as bytes, or the one value of a LONG.
 struct TiffField {

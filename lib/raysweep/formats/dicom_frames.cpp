@@ -9,7 +9,9 @@
 #include <dcmtk/dcmdata/dctk.h>
 
 #include <cmath>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -17,9 +19,9 @@ namespace {
 /// Where an attribute of a frame is to be looked for: an item of its own group sequence, or the file itself.
 class FrameData {
   public:
-    FrameData(DcmDataset& data, int index) : data_(data) {
+    /// @param own item of the sequence of the frames' own groups; null if there is none
+    FrameData(DcmDataset& data, DcmItem* own) : data_(data), own_(own) {
         DcmItem* item = nullptr;
-        if (data.findAndGetSequenceItem(DCM_PerFrameFunctionalGroupsSequence, item, index).good()) own_ = item;
         if (data.findAndGetSequenceItem(DCM_SharedFunctionalGroupsSequence, item).good()) shared_ = item;
     }
 
@@ -98,8 +100,41 @@ void addTraits(FrameData& data, DicomFrame& frame) {
                    {"frame type", DCM_MRImageFrameTypeSequence, DCM_FrameType},
                    {"image type", DCM_FrameContentSequence, DCM_ImageType},
                    {"acquisition time", DCM_FrameContentSequence, DCM_AcquisitionTime}};
-    for (const auto& trait : kTraits) frame.traits[trait.name] = data.text(trait.group, trait.tag);
+    std::map<std::string, std::string> traits;
+    for (const auto& trait : kTraits) traits[trait.name] = data.text(trait.group, trait.tag);
+    frame.traits = std::make_shared<const std::map<std::string, std::string>>(std::move(traits));
 }
+
+DicomFrame frameOf(FrameData data, const std::string& file, double number) {
+    DicomFrame frame;
+    frame.file = file;
+    frame.number = number;
+    frame.rescaling = rescalingOf(data, file);
+    placeFrame(data, file, frame);
+    addTraits(data, frame);
+    return frame;
+}
+
+/// The items of the frames' own groups, one after the other: to look for each from the first takes ages.
+class OwnGroups {
+  public:
+    explicit OwnGroups(DcmDataset& data) {
+        data.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, items_);
+        more_ = items_ != nullptr;
+    }
+
+    /// @return null if there are no more
+    DcmItem* next() {
+        if (more_) at_ = items_->nextInContainer(at_);
+        more_ = more_ && at_;
+        return more_ ? dynamic_cast<DcmItem*>(at_) : nullptr;
+    }
+
+  private:
+    DcmSequenceOfItems* items_ = nullptr;
+    DcmObject* at_ = nullptr;
+    bool more_ = false;
+};
 
 /// Frames that have one position together: their distances from it are in a list, or all the same.
 void spread(DcmDataset& data, const std::string& file, std::vector<DicomFrame>& frames) {
@@ -145,17 +180,19 @@ std::vector<DicomFrame> dicomFrames(DcmDataset& data, const std::string& file, i
     constexpr int kMost = 1 << 20;
     if (count > kMost) failRead(file, "in its header: it promises more frames than there can be");
     const auto numbers = dicomNumbers(data, DCM_InstanceNumber, file);
+    const double number = numbers.empty() ? 0 : numbers[0];
     std::vector<DicomFrame> frames;
+    frames.reserve(std::size_t(count));
+    OwnGroups groups(data);
+    std::optional<DicomFrame> common;  // of the frames without groups of their own
     for (int index = 0; index < count; ++index) {
-        FrameData frameData(data, index);
-        DicomFrame frame;
-        frame.file = file;
+        DcmItem* const own = groups.next();
+        if (!own && !common) common = frameOf(FrameData(data, nullptr), file, number);
+        frames.push_back(own ? frameOf(FrameData(data, own), file, number) : *common);
+        DicomFrame& frame = frames.back();
         frame.index = index;
-        frame.number = numbers.empty() ? 0 : numbers[0];
-        frame.rescaling = rescalingOf(frameData, file);
-        placeFrame(frameData, file, frame);
-        addTraits(frameData, frame);
-        frames.push_back(frame);
+        if (index > 0 && *frame.traits == *frames[frames.size() - 2].traits)
+            frame.traits = frames[frames.size() - 2].traits;
     }
     if (count > 1) spread(data, file, frames);
     return frames;

@@ -2,6 +2,7 @@
 // malformed headers with a failed assertion, which ends the program. DCMTK finds both.
 #include "raysweep/formats/dicom_header.h"
 
+#include "raysweep/core/claimed_room.h"
 #include "raysweep/core/error.h"
 #include "raysweep/formats/dicom_frames.h"
 #include "raysweep/formats/dicom_walk.h"
@@ -62,9 +63,10 @@ void requireSound(const DicomStructure& structure, const DicomPixels& pixels, co
         fail("bits allocated, bits stored and the high bit contradict each other");
     const double needed =
         double(pixels.columns) * pixels.rows * pixels.frames * pixels.channels * (pixels.bitsAllocated / 8);
-    constexpr double kMostPacked = 1 << 17;  // no coding packs pixels into less than this part of their size
-    if (structure.packed && needed > kMostPacked * double(sizeOfFile(file)))
-        fail("it promises more pixels than a file of its size can hold");
+    if (structure.packed) requireRoom(file, needed, double(sizeOfFile(file)));
+    if (structure.packed && std::uint64_t(pixels.frames) > structure.fragments)  // each has one at least
+        failRead(file, "its pixels end early: it promises " + std::to_string(pixels.frames) + " frames, there are " +
+                           std::to_string(structure.fragments) + " fragments of pixels");
     if (!structure.packed && double(structure.pixelBytes) < needed)
         failRead(file, "its pixels end early: " + std::to_string(std::uint64_t(needed)) +
                            " bytes are needed, there are " + std::to_string(structure.pixelBytes));
@@ -85,6 +87,26 @@ void requireNumbers(DcmDataset& data, const DicomPixels& pixels, const std::stri
         refuse("has a table (Modality LUT) that makes numbers of its pixels, which cannot be used; apply it first");
 }
 
+bool hasFloats(DcmDataset& data) {
+    return data.tagExists(DCM_FloatPixelData) || data.tagExists(DCM_DoubleFloatPixelData);
+}
+
+/// @throw what `problem` is to be
+void addImage(DcmDataset& data, const DicomStructure& structure, DicomHeader& header) {
+    const std::string& file = header.file;
+    if (hasFloats(data))
+        throw InvalidArgument("'" + file + "' has pixels that are floats, which cannot be read; convert it to NIfTI");
+    header.pixels = pixelsOf(data, file);
+    requireSound(structure, header.pixels, file);
+    requireNumbers(data, header.pixels, file);
+    header.frames = dicomFrames(data, file, header.pixels.frames);
+    if (header.pixels.photometric == "MONOCHROME1")
+        header.notes.push_back("its large numbers are shown dark (MONOCHROME1); they were taken as they are");
+    if (data.tagExists(DCM_RealWorldValueMappingSequence) && header.frames.front().rescaling.isNone())
+        header.notes.push_back("it has a mapping to real-world values, which was not applied");
+    if (structure.trailing) header.notes.push_back("its data go on behind the pixels; the rest was not read");
+}
+
 }  // namespace
 
 DicomHeader readDicomHeader(const std::string& file) {
@@ -100,18 +122,14 @@ DicomHeader readDicomHeader(const std::string& file) {
     header.file = file;
     header.series = dicomText(data, DCM_SeriesInstanceUID);
     header.description = dicomText(data, DCM_SeriesDescription);
-    header.image = !dicomText(data, DCM_Rows).empty() && structure.pixels;
-    if (data.tagExists(DCM_FloatPixelData) || data.tagExists(DCM_DoubleFloatPixelData))
-        throw InvalidArgument("'" + file + "' has pixels that are floats, which cannot be read; convert it to NIfTI");
+    header.end = structure.end;
+    header.image = hasFloats(data) || (structure.pixels && !dicomText(data, DCM_Rows).empty());
     if (!header.image) return header;
-    header.pixels = pixelsOf(data, file);
-    requireSound(structure, header.pixels, file);
-    requireNumbers(data, header.pixels, file);
-    header.frames = dicomFrames(data, file, header.pixels.frames);
-    if (header.pixels.photometric == "MONOCHROME1")
-        header.notes.push_back("its large numbers are shown dark (MONOCHROME1); they were taken as they are");
-    if (data.tagExists(DCM_RealWorldValueMappingSequence) && header.frames.front().rescaling.isNone())
-        header.notes.push_back("it has a mapping to real-world values, which was not applied");
+    try {
+        addImage(data, structure, header);
+    } catch (const Error&) {
+        header.problem = std::current_exception();
+    }
     return header;
 }
 

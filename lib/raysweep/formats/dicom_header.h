@@ -5,7 +5,9 @@
 #include "raysweep/formats/rescale.h"
 
 #include <cstdint>
+#include <exception>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,7 +24,8 @@ struct DicomFrame {
     double columnSpacing = 1, rowSpacing = 1;  ///< mm, from column to column and from row to row
     Rescaling rescaling;
     /// What tells pictures of one place apart: echo, instant ..., as the header says them; empty where it does not.
-    std::map<std::string, std::string> traits;
+    /// Shared by frames that say the same.
+    std::shared_ptr<const std::map<std::string, std::string>> traits;
 };
 
 /// What is the same for all pixels of a file.
@@ -42,10 +45,13 @@ struct DicomHeader {
     DicomPixels pixels;
     std::vector<DicomFrame> frames;
     std::vector<std::string> notes;
+    std::exception_ptr problem;  ///< why its pixels cannot be used: for whoever wants them; then there are no frames
+    std::uint64_t end = 0;       ///< of what is to be read of the file, bytes
 };
 
-/// @throw IoError if the file is not DICOM, is malformed, or ends early, also if that is in its pixels.
-/// @throw InvalidArgument if its pixels are no numbers that can be used: indices into a palette or table, inks.
+/// `problem` is an IoError if the pixels end early or contradict the header, an InvalidArgument if they are no numbers
+/// that can be used: indices into a palette or table, inks, single bits. A folder may hold such files beside a series.
+/// @throw IoError if the file is not DICOM, is malformed, or ends early
 DicomHeader readDicomHeader(const std::string& file);
 
 }  // namespace raysweep

@@ -10,8 +10,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <set>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -23,8 +25,10 @@ Series seriesOf(const std::vector<std::string>& files, const ProgressCallback& p
     for (std::size_t n = 0; n < files.size(); ++n) {
         complete = report(progress, "headers", double(n) / double(files.size()));
         if (!complete) return series;
-        const DicomHeader header = readDicomHeader(files[n]);
-        if (header.image) series[header.series].push_back(header);
+        DicomHeader header = readDicomHeader(files[n]);
+        if (!header.image) continue;
+        std::vector<DicomHeader>& images = series[header.series];
+        images.push_back(std::move(header));
     }
     return series;
 }
@@ -39,17 +43,48 @@ std::string listOf(const Series& series) {
     return list;
 }
 
-const std::vector<DicomHeader>& choose(const Series& series, const std::string& uid) {
-    if (!uid.empty()) {
-        const auto found = series.find(uid);
-        if (found == series.end())
-            throw InvalidArgument("there is no DICOM series '" + uid + "'; there are:" + listOf(series));
-        return found->second;
+bool cannotBeUsed(const DicomHeader& image) {
+    return image.problem != nullptr;
+}
+
+std::string messageOf(const std::exception_ptr& problem) {
+    try {
+        std::rethrow_exception(problem);
+    } catch (const Error& error) {
+        return error.what();
     }
-    if (series.size() > 1)
+}
+
+/// Takes out those of which no image can be used (reports, masks beside scans), unless there are no others.
+/// @return notes of what they were
+std::vector<std::string> leaveOutUseless(Series& series) {
+    Series useful;
+    std::vector<std::string> notes;
+    for (auto& [uid, images] : series) {
+        const DicomHeader& first = images.front();
+        if (std::all_of(images.begin(), images.end(), cannotBeUsed))
+            notes.push_back("series " + uid + " (" + std::to_string(images.size()) +
+                            (images.size() > 1 ? " images" : " image") + ") was left out: " + messageOf(first.problem));
+        else
+            useful[uid] = std::move(images);
+    }
+    if (useful.empty()) return {};
+    series = std::move(useful);
+    return notes;
+}
+
+/// @param notes are added to. @throw what is wrong with an image of the series that is chosen
+std::vector<DicomHeader> choose(Series series, const std::string& uid, std::vector<std::string>& notes) {
+    if (!uid.empty() && series.count(uid) == 0)
+        throw InvalidArgument("there is no DICOM series '" + uid + "'; there are:" + listOf(series));
+    if (uid.empty()) notes = leaveOutUseless(series);
+    std::vector<DicomHeader>& chosen = uid.empty() ? series.begin()->second : series.at(uid);
+    if (uid.empty() && series.size() > 1 && !std::all_of(chosen.begin(), chosen.end(), cannotBeUsed))
         throw InvalidArgument("there are " + std::to_string(series.size()) + " DICOM series; choose one",
                               Remedy::chooseSeries, ":" + listOf(series));
-    return series.begin()->second;
+    const auto bad = std::find_if(chosen.begin(), chosen.end(), cannotBeUsed);
+    if (bad != chosen.end()) std::rethrow_exception(bad->problem);
+    return std::move(chosen);
 }
 
 /// All must have one size and one meaning.
@@ -102,20 +137,20 @@ std::uint64_t countPadding(const DicomPixels& pixels, SampleType type, std::uint
 class SliceReader {
   public:
     SliceReader(const std::vector<DicomHeader>& images, int channel) : channel_(channel) {
-        for (const DicomHeader& image : images) pixels_[image.file] = image.pixels;
+        for (const DicomHeader& image : images) images_[image.file] = &image;
     }
 
     /// Numbers of `slice`, of the type of `volume`.
     void read(const DicomFrame& slice, StoredVolume& volume, std::byte* to) {
-        const DicomPixels& pixels = pixels_.at(slice.file);
+        const DicomHeader& header = *images_.at(slice.file);
         if (slice.file != file_) {
             image_ = StoredVolume();  // so that two are never held
-            image_ = readDicomPixels(slice.file, pixels, channel_);
+            image_ = readDicomPixels(header, channel_);
             file_ = slice.file;
         }
         const std::uint64_t count = std::uint64_t(image_.dims.x) * std::uint64_t(image_.dims.y);
         const std::byte* const from = image_.samples.get() + std::uint64_t(slice.index) * count * sizeOf(image_.type);
-        padded_ += countPadding(pixels, image_.type, count, from);
+        padded_ += countPadding(header.pixels, image_.type, count, from);
         rescaleInto(from, image_.type, count, slice.rescaling, volume.type, to);
     }
 
@@ -123,7 +158,7 @@ class SliceReader {
 
   private:
     int channel_;
-    std::map<std::string, DicomPixels> pixels_;
+    std::map<std::string, const DicomHeader*> images_;
     std::string file_;
     StoredVolume image_;
     std::uint64_t padded_ = 0;
@@ -146,14 +181,17 @@ void placeVolume(const std::vector<DicomFrame>& slices, bool positions, StoredVo
             throw InvalidArgument("'" + slice.file + "' and '" + first.file + "' have pixels of different sizes");
 }
 
-/// The slices of the volume that is meant, in order.
-std::vector<DicomFrame> slicesOf(const std::vector<DicomHeader>& images, bool positions, const VolumeChoice& choice) {
+/// The slices of the volume that is meant, in order. Takes the frames of `images`, which may be a million.
+std::vector<DicomFrame> slicesOf(std::vector<DicomHeader>& images, bool positions, const VolumeChoice& choice) {
     std::vector<DicomFrame> slices;
-    for (const DicomHeader& image : images) slices.insert(slices.end(), image.frames.begin(), image.frames.end());
+    for (DicomHeader& image : images) {
+        std::move(image.frames.begin(), image.frames.end(), std::back_inserter(slices));
+        image.frames = std::vector<DicomFrame>();
+    }
     const bool placed = std::none_of(slices.begin(), slices.end(), [](const auto& s) { return s.axes.empty(); });
     if (slices.size() > 1 && (positions || placed)) {
         sortByPosition(slices);
-        slices = chooseFrames(slices, choice);
+        slices = chooseFrames(std::move(slices), choice);
     } else {
         chooseVolume(slices.front().file, {}, choice);
     }
@@ -164,7 +202,7 @@ std::vector<DicomFrame> slicesOf(const std::vector<DicomHeader>& images, bool po
 void addNotes(const std::vector<DicomHeader>& images, std::uint64_t padded, StoredVolume& volume) {
     std::set<std::string> notes;
     for (const DicomHeader& image : images) notes.insert(image.notes.begin(), image.notes.end());
-    volume.notes.assign(notes.begin(), notes.end());
+    volume.notes.insert(volume.notes.end(), notes.begin(), notes.end());
     if (padded > 0)
         volume.notes.push_back(std::to_string(padded) + " voxels hold its padding (" +
                                std::to_string(images.front().pixels.padding.value_or(0)) +
@@ -176,10 +214,10 @@ void addNotes(const std::vector<DicomHeader>& images, std::uint64_t padded, Stor
 StoredVolume itkSeries(const std::vector<std::string>& files, const SeriesRequest& request,
                        const ProgressCallback& progress) {
     StoredVolume volume;
-    const Series all = seriesOf(files, progress, volume.complete);
+    Series all = seriesOf(files, progress, volume.complete);
     if (!volume.complete) return volume;
     if (all.empty()) failRead(files.front(), "there is no DICOM image in it");
-    const std::vector<DicomHeader>& images = choose(all, request.series);
+    std::vector<DicomHeader> images = choose(std::move(all), request.series, volume.notes);
     requireAlike(images);
     const int channel = channelOf(images.front(), request.choice);
     const std::vector<DicomFrame> slices = slicesOf(images, request.positions, request.choice);

@@ -28,15 +28,15 @@ Vec3 normalOf(const std::vector<double>& axes) {
 }
 
 /// Frames that are in one place, each place in a list of its own.
-using Places = std::vector<std::vector<DicomFrame>>;
+using Places = std::vector<std::vector<const DicomFrame*>>;
 
 Places placesOf(const std::vector<DicomFrame>& frames) {
     constexpr double kSamePlace = 0.01;  // mm; slices are further apart, and one place is written in the same way
     Places places;
     for (const DicomFrame& frame : frames) {
-        if (places.empty() || (places.back().front().position - frame.position).length() > kSamePlace)
+        if (places.empty() || (places.back().front()->position - frame.position).length() > kSamePlace)
             places.emplace_back();
-        places.back().push_back(frame);
+        places.back().push_back(&frame);
     }
     return places;
 }
@@ -44,13 +44,9 @@ Places placesOf(const std::vector<DicomFrame>& frames) {
 /// What a frame says of some of its traits, the key by which volumes are told apart.
 std::string valueOf(const DicomFrame& frame, const std::vector<std::string>& traits) {
     std::string value;
-    for (const std::string& trait : traits) value += (value.empty() ? "" : ", ") + trait + " " + frame.traits.at(trait);
+    for (const std::string& trait : traits)
+        value += (value.empty() ? "" : ", ") + trait + " " + frame.traits->at(trait);
     return value;
-}
-
-/// Numbers by their size, other text by the alphabet.
-bool valueBefore(const std::string& a, const std::string& b) {
-    return naturallyBefore(a, b);
 }
 
 /// The values of `traits`, one per volume; empty if they do not tell the frames of each place apart, in the same way.
@@ -58,23 +54,23 @@ std::vector<std::string> valuesOf(const Places& places, const std::vector<std::s
     std::set<std::string> first;
     for (const auto& place : places) {
         std::set<std::string> values;
-        for (const DicomFrame& frame : place) values.insert(valueOf(frame, traits));
+        for (const DicomFrame* const frame : place) values.insert(valueOf(*frame, traits));
         if (values.size() != place.size()) return {};
         if (first.empty()) first = values;
         if (values != first) return {};
     }
     std::vector<std::string> sorted(first.begin(), first.end());
-    std::sort(sorted.begin(), sorted.end(), valueBefore);
+    std::sort(sorted.begin(), sorted.end(), naturallyBefore);
     return sorted;
 }
 
 /// The traits that tell volumes apart: one if one does, else all that differ at all; empty if none do.
 std::vector<std::string> tellingTraits(const Places& places) {
     std::vector<std::string> differing;
-    for (const auto& trait : places.front().front().traits) {
+    for (const auto& trait : *places.front().front()->traits) {
         if (!valuesOf(places, {trait.first}).empty()) return {trait.first};
         std::set<std::string> values;
-        for (const DicomFrame& frame : places.front()) values.insert(frame.traits.at(trait.first));
+        for (const DicomFrame* const frame : places.front()) values.insert(frame->traits->at(trait.first));
         if (values.size() > 1) differing.push_back(trait.first);
     }
     // Times of acquisition differ from slice to slice.
@@ -108,7 +104,7 @@ void sortByPosition(std::vector<DicomFrame>& frames) {
     });
 }
 
-std::vector<DicomFrame> chooseFrames(const std::vector<DicomFrame>& frames, const VolumeChoice& choice) {
+std::vector<DicomFrame> chooseFrames(std::vector<DicomFrame> frames, const VolumeChoice& choice) {
     const Places places = placesOf(frames);
     const std::size_t volumes = places.front().size();
     const bool even = std::all_of(places.begin(), places.end(), [&](const auto& p) { return p.size() == volumes; });
@@ -123,9 +119,9 @@ std::vector<DicomFrame> chooseFrames(const std::vector<DicomFrame>& frames, cons
     if (several.count == 1) return frames;
     std::vector<DicomFrame> slices;
     for (const auto& place : places) {
-        if (values.empty()) slices.push_back(place[chosen]);
-        for (const DicomFrame& frame : place)
-            if (!values.empty() && valueOf(frame, traits) == values[chosen]) slices.push_back(frame);
+        if (values.empty()) slices.push_back(*place[chosen]);
+        for (const DicomFrame* const frame : place)
+            if (!values.empty() && valueOf(*frame, traits) == values[chosen]) slices.push_back(*frame);
     }
     return slices;
 }

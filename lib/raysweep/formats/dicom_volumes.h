@@ -19,7 +19,7 @@ void sortByPosition(std::vector<DicomFrame>& frames);
 /// Those of one volume. Several (echoes, instants, ...) show as several pictures in each place; what tells these apart
 /// numbers the volumes: an attribute of the same values everywhere, else their order by number.
 /// @param frames sorted by position @throw InvalidArgument where there are several and `choice` is none of them
-std::vector<DicomFrame> chooseFrames(const std::vector<DicomFrame>& frames, const VolumeChoice& choice);
+std::vector<DicomFrame> chooseFrames(std::vector<DicomFrame> frames, const VolumeChoice& choice);
 
 /// From one slice to the next; not along the normal where the gantry was tilted. At least two, sorted by position.
 /// Slices may be off by a tenth of it: scanners round positions, and a missing slice shows as half of it or more.

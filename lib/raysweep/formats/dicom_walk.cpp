@@ -31,7 +31,9 @@ class Walk {
 
     DicomStructure go() {
         const Coding coding = findCoding();
-        while (at_ < size_) take(next(coding), coding, 0);
+        while (at_ < size_ && !(structure_.pixels && zerosFollow())) take(next(coding), coding, 0);
+        structure_.end = at_;
+        structure_.trailing = at_ < size_;
         return structure_;
     }
 
@@ -55,6 +57,14 @@ class Walk {
     std::uint32_t readTag(bool bigEndian) {
         const auto group = read<std::uint16_t>(bigEndian);
         return std::uint32_t(group) << 16 | read<std::uint16_t>(bigEndian);
+    }
+
+    /// Where a group should be, which is 0 in no data set.
+    bool zerosFollow() {
+        char group[2] = {};
+        in_.read(group, std::min<std::streamsize>(sizeof group, std::streamsize(size_ - at_)));
+        in_.seekg(std::streamoff(at_));
+        return group[0] == 0 && group[1] == 0;
     }
 
     void skip(std::uint64_t bytes) {
@@ -108,17 +118,25 @@ class Walk {
             fail("a sequence is longer than the file");
         if (element.length != kUndefined && element.sequence) return passItems(coding, depth, at_ + element.length);
         if (element.length != kUndefined) return skip(element.length);
-        if (element.tag == kPixels) return passFragments(coding);
+        if (element.tag == kPixels) {
+            const std::uint64_t fragments = passFragments(coding);
+            if (depth == 0) structure_.fragments = fragments;
+            return;
+        }
         Coding inner = coding;
         if (element.unknown) inner = Coding{false, false};
         passItems(inner, depth, kNowhere);
     }
 
-    void passFragments(const Coding& coding) {
+    /// @return how many there are; the first item is no fragment, but the table of their places, which may be empty
+    std::uint64_t passFragments(const Coding& coding) {
+        std::uint64_t items = 0;
         for (Element item = next(coding); item.tag != kSequenceEnd; item = next(coding)) {
             if (item.tag != kItem || item.length == kUndefined) fail("a fragment of pixels is malformed");
             skip(item.length);
+            ++items;
         }
+        return items > 0 ? items - 1 : 0;
     }
 
     /// Items up to the end of the sequence, which is known or marked.

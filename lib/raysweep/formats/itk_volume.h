@@ -25,7 +25,8 @@ struct SeriesRequest {
 /// Reads one series of DICOM images, or multi-frame images, in any order: slices are sorted by their positions along
 /// the normal of the first. Values are rescaled (Hounsfield units), each slice by its own slope and intercept, and
 /// never inverted (MONOCHROME1); positions are LPS, millimetres.
-/// @param files DICOM files; those that hold no image are passed over.
+/// @param files DICOM files; those that hold no image are passed over, and so are series of which no image can be used,
+/// if there are others and none is chosen: a note says which.
 /// @throw InvalidArgument if there are several series or volumes and none is chosen (it lists them), if slices differ
 /// in size or orientation, are not equally spaced (it names the place), or if pixels are no numbers (palettes, tables).
 /// @throw IoError if a file cannot be read, or none holds an image.

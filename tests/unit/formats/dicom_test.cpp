@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "raysweep/core/memory.h"
 #include "unit/formats/import_fixture.h"
 
 using namespace raysweep;
@@ -135,10 +136,10 @@ TEST_F(ImportItk, MalformedOrTruncatedDicomIsNamed) {
     image.samples.resize(16);
     const std::string whole = dicomBytes(image);
     const std::size_t pixels = whole.find(std::string("\xe0\x7f\x10\0", 4));
-    for (const std::size_t begin : {pixels, whole.size()}) {  // zeros instead of the pixels, or behind them
-        writeFile(folder / "zeros.dcm", whole.substr(0, begin) + std::string(1 << 22, '\0'));
-        expectError({folder / "zeros.dcm"}, "there is an element that no data set has");
-    }
+    writeFile(folder / "zeros.dcm", whole.substr(0, pixels) + std::string(1 << 22, '\0'));  // instead of the pixels
+    expectError({folder / "zeros.dcm"}, "there is an element that no data set has");
+    writeFile(folder / "more.dcm", whole + std::string(128, 'x'));
+    expectError({folder / "more.dcm"}, "malformed, or ends early");
     writeFile(folder / "cut.dcm", whole.substr(0, whole.size() - 8));
     expectError({folder / "cut.dcm"}, "cut.dcm");
     image.frames = 1000000;
@@ -147,6 +148,89 @@ TEST_F(ImportItk, MalformedOrTruncatedDicomIsNamed) {
     image.frames = 2000000000;
     writeFile(folder / "frames.dcm", dicomBytes(image));
     expectError({folder / "frames.dcm"}, "NumberOfFrames");
+}
+
+// Media fill up files with them. To GDCM they would be elements, a million of them in the largest.
+TEST_F(ImportItk, ZerosBehindDicomPixelsAreNotRead) {
+    DicomImage image = series(1)[0];
+    DicomImage packed = image;
+    packed.fragments = {dicomRunLengths(image.samples)};
+    for (const std::size_t zeros : {1, 2, 3, 7, 128, 1 << 22})
+        for (const DicomImage& each : {image, packed}) {
+            writeFile(folder / "a.dcm", dicomBytes(each) + std::string(zeros, '\0'));
+            const ImportedVolume volume = importVolume({folder / "a.dcm"}, {});
+            expectLabels(volume, Index3(3, 4, 1));
+            EXPECT_EQ(volume.notes,
+                      std::vector<std::string>{"its data go on behind the pixels; the rest was not read"});
+        }
+}
+
+TEST_F(ImportItk, DicomThatCannotBeUsedIsLeftOutBesideWhatCan) {
+    const std::string scan = writeSeries(folder, series(5));
+    const auto add = [&](const std::string& name, const auto& spoil) {
+        DicomImage image = series(1)[0];
+        image.series = "9.8." + std::to_string(name.size());
+        spoil(image);
+        writeFile(folder / name, dicomBytes(image));
+        return image.series;
+    };
+    const std::string palette = add("report", [](auto& image) { image.photometric = "PALETTE COLOR"; });
+    const std::string cut = add("cut", [](auto& image) { image.frames = 7; });
+    const std::string slope = add("slope", [](auto& image) { image.slope = "two"; });
+    ImportedVolume volume = importVolume({scan}, {});
+    expectLabels(volume, kDims);
+    ASSERT_EQ(volume.notes.size(), 3u);
+    EXPECT_EQ(volume.notes[0].rfind("series 9.8.3 (1 image) was left out: cannot read '", 0), 0u) << volume.notes[0];
+    EXPECT_NE(volume.notes[1].find("'two' is no number"), std::string::npos) << volume.notes[1];
+    EXPECT_NE(volume.notes[2].find("PALETTE COLOR, not numbers"), std::string::npos) << volume.notes[2];
+
+    ImportOptions options;
+    options.series = "1.2.3.4";
+    volume = importVolume({scan}, options);
+    expectLabels(volume, kDims);
+    EXPECT_TRUE(volume.notes.empty());
+    options.series = palette;
+    expectError({scan}, "PALETTE COLOR, not numbers", options);
+    options.series = cut;
+    expectError({scan}, "its pixels end early", options);
+    expectError({folder / "cut", folder / "slope"}, "its pixels end early");  // there is nothing else
+    options.series = "1.2.3.4";
+    DicomImage slice = series(6)[5];  // of the scan itself
+    slice.frames = 7;
+    writeFile(folder / "IM9", dicomBytes(slice));
+    expectError({scan}, "IM9': its pixels end early", options);
+}
+
+TEST_F(ImportItk, PackedDicomHasAFragmentForEachFrame) {
+    DicomImage image = series(1)[0];
+    image.frames = 5;
+    const auto all = labels<std::uint16_t>(kDims);
+    for (auto frame = all.begin(); frame != all.end(); frame += 12)
+        image.fragments.push_back(dicomRunLengths({frame, frame + 12}));
+    writeFile(folder / "a.dcm", dicomBytes(image));
+    ImportOptions options;
+    options.spacing = Vec3(1);
+    expectLabels(importVolume({folder / "a.dcm"}, options), kDims);
+    image.frames = 1000000;  // 6 KB would take 3.6 GB
+    writeFile(folder / "a.dcm", dicomBytes(image));
+    expectError({folder / "a.dcm"}, "it promises 1000000 frames, there are 5 fragments of pixels", options);
+}
+
+// A frame takes some 300 bytes; it was 3600, each with its own copy of what is the same for all.
+TEST_F(ImportItk, ManyDicomFramesShareWhatIsTheSame) {
+    DicomImage image = series(1)[0];
+    image.columns = image.rows = 1;
+    image.frames = 200000;
+    image.samples.assign(200000, 7);
+    writeFile(folder / "a.dcm", dicomBytes(image));
+    ImportOptions options;
+    options.spacing = Vec3(1);
+    resetPeak();
+    const std::size_t before = residentBytes();
+    const ImportedVolume volume = importVolume({folder / "a.dcm"}, options);
+    EXPECT_EQ(volume.dims, Index3(1, 1, 200000));
+    EXPECT_EQ(volume.grid->tree().getValue(Coord(0, 0, 199999)), 7);
+    EXPECT_LT(peakResidentBytes() - before, 200000u * 1000);
 }
 
 TEST_F(ImportItk, DicomOfMonochrome1HasTheNumbersOfTheFile) {
