@@ -8,6 +8,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -50,8 +51,9 @@ void moveFolder(const std::string& temporary, const std::string& target) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& target, const std::function<bool(const std::string&)>& isOurs) {
-    requireOurs(target, isOurs);
+OutputFolder::OutputFolder(const std::string& target, std::function<bool(const std::string&)> isOurs)
+    : isOurs_(std::move(isOurs)) {
+    requireOurs(target, isOurs_);
     const fs::path path = plain(target), around = path.parent_path();
     std::error_code failed;
     if (!fs::is_directory(around, failed))
@@ -71,7 +73,11 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::commit() {
-    moveWithRun([temporary = temporary_, target = target_] { moveFolder(temporary, target); }, temporary_);
+    const auto move = [temporary = temporary_, target = target_, isOurs = isOurs_] {
+        requireOurs(target, isOurs);  // again: while the run went on, something may have been put there
+        moveFolder(temporary, target);
+    };
+    moveWithRun(move, temporary_);
     committed_ = true;
 }
 

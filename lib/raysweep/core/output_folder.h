@@ -14,7 +14,7 @@ class OutputFolder {
   public:
     /// @throw IoError if the folder around the target does not exist or cannot be written to, or if the target is a
     /// file, or holds anything else.
-    OutputFolder(const std::string& target, const std::function<bool(const std::string& name)>& isOurs);
+    OutputFolder(const std::string& target, std::function<bool(const std::string& name)> isOurs);
     ~OutputFolder();
     OutputFolder(const OutputFolder&) = delete;
     OutputFolder& operator=(const OutputFolder&) = delete;
@@ -22,10 +22,11 @@ class OutputFolder {
     /// Where to write.
     const std::string& temporary() const { return temporary_; }
 
-    /// What was there is as it was if this fails. @throw IoError
+    /// What was there is as it was if this fails. @throw IoError, also if there is now what is not of such a folder
     void commit();
 
   private:
+    std::function<bool(const std::string& name)> isOurs_;
     std::string target_, temporary_;
     bool committed_ = false;
 };

@@ -80,8 +80,10 @@ int moveTemporary(const std::string& temporary, const std::string& target) {
 }
 
 int exchangeTemporary(const std::string& temporary, const std::string& target) {
-    const std::string aside = temporary + ".old";  // not of those that are removed when the process ends
     const std::lock_guard<std::mutex> hold(registry().lock);
+    if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return 0;
+    // Some file systems cannot, networks' for instance: then there is no target for a moment.
+    const std::string aside = temporary + ".old";  // not of those that are removed when the process ends
     if (std::rename(target.c_str(), aside.c_str()) != 0) return errno;
     if (std::rename(temporary.c_str(), target.c_str()) != 0) {
         const int why = errno;

@@ -2,12 +2,20 @@
 #include "raysweep/core/output_folder.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/run_outputs.h"
+#include "support/expect_error.h"
 #include "support/files.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+
+#include <atomic>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <thread>
 
 namespace fs = std::filesystem;
 using namespace raysweep;
@@ -65,6 +73,48 @@ TEST(OutputFolder, ReplacesAFolderOfItsKindAsAWhole) {
     EXPECT_EQ(contentsOf(around / "old/ours1"), "new");
     EXPECT_EQ(entriesOf(around / "old"), 1u);
     EXPECT_EQ(entriesOf(around.path()), 2u);
+}
+
+TEST(OutputFolder, LeavesAloneWhatIsPutThereMeanwhile) {
+    const test::TemporaryFolder around;
+    fs::create_directory(around / "old");
+    writeBytes(around / "old/ours", "old");
+    for (const bool inRun : {false, true}) {
+        std::unique_ptr<RunOutputs> run;
+        if (inRun) run = std::make_unique<RunOutputs>();
+        fs::remove(around / "old/notes.txt");
+        OutputFolder folder(around / "old", isOurs);
+        writeBytes(fs::path(folder.temporary()) / "ours", "new");
+        if (inRun) folder.commit();
+        writeBytes(around / "old/notes.txt", "dear");
+        test::expectError<IoError>([&] { inRun ? commitRunOutputs() : folder.commit(); }, "it holds 'notes.txt'");
+        EXPECT_EQ(contentsOf(around / "old/notes.txt"), "dear");
+        EXPECT_EQ(contentsOf(around / "old/ours"), "old");
+    }
+    EXPECT_EQ(entriesOf(around.path()), 1u);  // no temporary
+}
+
+// Where the file system can exchange two names; elsewhere there is a moment without.
+TEST(OutputFolder, IsThereAtAnyMomentWhileItIsReplaced) {
+    const test::TemporaryFolder around;
+    fs::create_directory(around / "a");
+    fs::create_directory(around / "b");
+    const std::string a = around / "a", b = around / "b";
+    if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) != 0)
+        GTEST_SKIP() << "this file system cannot exchange names";
+    std::atomic<bool> done{false};
+    std::size_t looks = 0, missing = 0;
+    std::thread watch([&] {
+        for (; !done; ++looks) missing += !fs::exists(a);
+    });
+    for (int n = 0; n < 2000; ++n) {
+        OutputFolder folder(a, isOurs);
+        folder.commit();
+    }
+    done = true;
+    watch.join();
+    EXPECT_GT(looks, 100u);
+    EXPECT_EQ(missing, 0u);
 }
 
 TEST(OutputFolder, LeavesWhatIsNotItsOwnAlone) {

@@ -2,8 +2,8 @@
 #include "raysweep/core/error.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/image/jpeg_check.h"
-#include "support/files.h"
 #include "support/expect_error.h"
+#include "support/files.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
