@@ -107,19 +107,20 @@ bool requireMeshOptions(const std::vector<std::string>& files, const MeshArgumen
 int importMeshes(const std::vector<std::string>& files, const MeshArguments& a, const std::string& output, bool half,
                  const CommonOptions& common) {
     const Timer timer;
+    TerminalProgress progress(common);
     TriangleMesh mesh;
     for (const std::string& file : files) append(mesh, readMesh(file, kEncodings.at(a.encoding)));
-    const MeshVolume volume = meshToVolume(mesh, a.options);
+    const MeshVolume volume = meshToVolume(mesh, a.options, progress.callback());
+    if (!volume.density || TerminalProgress::interrupted()) {
+        message(common, "stopped; nothing was written");
+        return kInterrupted;
+    }
     openvdb::GridCPtrVec grids{volume.density};
     if (volume.color) grids.push_back(volume.color);
     for (const auto& grid : grids) {
         const auto changed = std::const_pointer_cast<openvdb::GridBase>(grid);
         changed->setSaveFloatAsHalf(half);
         changed->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
-    }
-    if (TerminalProgress::interrupted()) {
-        message(common, "stopped; nothing was written");
-        return kInterrupted;
     }
     writeVdb(output, grids);
     const double voxel = volume.density->voxelSize()[0];

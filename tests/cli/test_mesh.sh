@@ -74,6 +74,12 @@ expect_exit 1 "$raysweep" bake floor.vdb floor.obj -o x.ply
 expect_match "has no grid 'radiosity'"
 expect_exit 2 "$raysweep" bake lit.vdb floor.obj -o x.obj
 expect_match "give a name with .ply"
+
+# Ctrl-C stops the conversion, which would take a minute, in the middle of it.
+start_interruptible "$raysweep" import block.obj -o x.vdb --size 1500
+interrupt_after_work $!
+[ $? = 130 ] || fail "exit code after Ctrl-C"
+expect_match "stopped; nothing was written"
 [ ! -e x.vdb ] && [ ! -e x.ply ] && [ ! -e x.exr ] || fail "output of a failed run"
 expect_no_leftovers .
 finish

@@ -1,6 +1,7 @@
 /// Distances to triangles, on voxels near them.
 #pragma once
 
+#include "raysweep/core/progress.h"
 #include "raysweep/mesh/triangle_mesh.h"
 #include "raysweep/volume/grids.h"
 
@@ -22,14 +23,16 @@ struct MeshPart {
 
 /// World units, up to `band` voxels from the triangles.
 struct MeshDistance {
-    openvdb::FloatGrid::Ptr distance;  ///< below 0 inside if it is signed
+    openvdb::FloatGrid::Ptr distance;  ///< below 0 inside if it is signed; null if stopped
     openvdb::Int32Grid::Ptr nearest;   ///< which triangle of the part is nearest
 };
 
-MeshDistance unsignedDistance(const MeshPart& part, const MeshLattice& lattice, double band);
+MeshDistance unsignedDistance(const MeshPart& part, const MeshLattice& lattice, double band,
+                              const ProgressCallback& progress = {});
 
 /// What closed shells enclose is inside. @param part shells that are closed, and face alike within each
-MeshDistance signedDistance(const MeshPart& part, const MeshLattice& lattice, double band);
+MeshDistance signedDistance(const MeshPart& part, const MeshLattice& lattice, double band,
+                            const ProgressCallback& progress = {});
 
 /// Corners in the lattice's index space, moved aside by less than a thousandth of a voxel, so that hardly a voxel's
 /// centre lies on a face.

@@ -2,6 +2,7 @@
 
 #include "raysweep/core/error.h"
 #include "raysweep/core/file_name.h"
+#include "raysweep/core/finite.h"
 #include "raysweep/core/module.h"
 #include "raysweep/core/regular_file.h"
 #include "raysweep/core/run_outputs.h"
@@ -9,7 +10,6 @@
 #include "raysweep/mesh/mesh_formats.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace raysweep {
 namespace {
@@ -25,10 +25,6 @@ const MeshFormats& formatsFor(const std::string& path) {
     if (formats.version != kMeshFormatsVersion)
         fail(path, "the module 'raysweep_meshes.so' belongs to another build; build or install it again");
     return formats;
-}
-
-bool isFinite(const Vec3& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
 void requireUsable(const std::string& path, const TriangleMesh& mesh) {

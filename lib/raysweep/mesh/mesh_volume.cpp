@@ -57,29 +57,32 @@ void add(Triangles& to, const MeshShell& shell) {
     to.insert(to.end(), shell.triangles.begin(), shell.triangles.end());
 }
 
-/// Fills closed shells.
-FloatGrid::Ptr fillClosed(const TriangleMesh& mesh, const MeshLattice& lattice, MeshVolume& volume) {
-    MeshPart closed{mesh, {}};
-    for (const MeshShell& shell : volume.shells.shells) {
-        if (!shell.closed) continue;
-        add(closed.triangles, shell);
-        ++(shell.volume < 0 ? volume.inwards : volume.solids);
-        volume.thin += 2 * std::abs(shell.volume) < shell.area * lattice.voxel;
-    }
-    if (closed.triangles.empty()) return nullptr;
-    return levelSetToSolid(*signedDistance(closed, lattice, kBand).distance);
+/// The triangles of closed shells, or of open ones.
+Triangles trianglesOf(const MeshShells& shells, bool closed) {
+    Triangles triangles;
+    for (const MeshShell& shell : shells.shells)
+        if (shell.closed == closed) add(triangles, shell);
+    return triangles;
 }
 
-/// Gives open shells a thickness.
-FloatGrid::Ptr thicken(const TriangleMesh& mesh, const MeshLattice& lattice, double thickness, MeshVolume& volume) {
-    MeshPart open{mesh, {}};
+void count(double voxel, MeshVolume& volume) {
     for (const MeshShell& shell : volume.shells.shells) {
-        if (shell.closed) continue;
-        add(open.triangles, shell);
-        ++volume.sheets;
+        ++(!shell.closed ? volume.sheets : shell.volume < 0 ? volume.inwards : volume.solids);
+        volume.thin += shell.closed && 2 * std::abs(shell.volume) < shell.area * voxel;
     }
-    if (open.triangles.empty()) return nullptr;
-    const FloatGrid::Ptr sheet = unsignedDistance(open, lattice, thickness / 2 + 1).distance;
+}
+
+/// Fills closed shells. @return null if stopped
+FloatGrid::Ptr fillClosed(const MeshPart& closed, const MeshLattice& lattice, const ProgressCallback& progress) {
+    const FloatGrid::Ptr distance = signedDistance(closed, lattice, kBand, progress).distance;
+    return distance ? levelSetToSolid(*distance) : nullptr;
+}
+
+/// Gives open shells a thickness. @return null if stopped
+FloatGrid::Ptr thicken(const MeshPart& open, const MeshLattice& lattice, double thickness,
+                       const ProgressCallback& progress) {
+    const FloatGrid::Ptr sheet = unsignedDistance(open, lattice, thickness / 2 + 1, progress).distance;
+    if (!sheet) return nullptr;
     const double densest = std::min(1.0, thickness);
     forEachActive(*sheet, [&](float& value, const openvdb::CoordBBox&) {
         value = float(std::clamp((thickness + 1) / 2 - double(value) / lattice.voxel, 0.0, densest));
@@ -102,16 +105,31 @@ openvdb::Vec3s colorNear(const TriangleMesh& mesh, const TriangleMesh::Triangle&
 }
 
 openvdb::Vec3s meanColor(const TriangleMesh& mesh) {
-    Color sum(0, 0, 0);
-    for (const Color& color : mesh.colors) sum += color;
-    sum /= float(mesh.colors.size());
-    return openvdb::Vec3s(sum.x, sum.y, sum.z);
+    Vec3 sum(0);  // single floats lose a percent of a million
+    for (const Color& color : mesh.colors) sum += Vec3(color);
+    sum /= double(mesh.colors.size());
+    return openvdb::Vec3s(float(sum.x), float(sum.y), float(sum.z));
+}
+
+/// Where solids and sheets are the denser counts. @return null if stopped
+FloatGrid::Ptr densityOf(const TriangleMesh& mesh, const MeshLattice& lattice, const MeshVolume& volume,
+                         const ProgressCallback& progress) {
+    const MeshPart closed{mesh, trianglesOf(volume.shells, true)}, open{mesh, trianglesOf(volume.shells, false)};
+    if (closed.triangles.empty() && open.triangles.empty()) throw InvalidArgument("the mesh has no extent");
+    FloatGrid::Ptr solids, sheets;
+    if (!closed.triangles.empty() && !(solids = fillClosed(closed, lattice, progress))) return nullptr;
+    if (!open.triangles.empty() && !(sheets = thicken(open, lattice, volume.thickness, progress))) return nullptr;
+    if (!solids) return sheets;
+    if (sheets) openvdb::tools::compMax(*solids, *sheets);
+    return solids;
 }
 
 /// Colours of the voxels near the surface, and of all others of `density`, where no light gets: the mean.
-openvdb::Vec3SGrid::Ptr colorsFor(const MeshPart& all, const MeshLattice& lattice, const MeshVolumeOptions& options,
-                                  const FloatGrid& density) {
-    const openvdb::Int32Grid::Ptr nearest = unsignedDistance(all, lattice, options.thickness / 2 + kBand).nearest;
+/// @return null if stopped
+openvdb::Vec3SGrid::Ptr colorsFor(const MeshPart& all, const MeshLattice& lattice, double band,
+                                  const FloatGrid& density, const ProgressCallback& progress) {
+    const openvdb::Int32Grid::Ptr nearest = unsignedDistance(all, lattice, band, progress).nearest;
+    if (!nearest) return nullptr;
     const auto color = openvdb::Vec3SGrid::create(meanColor(all.mesh));
     color->setTransform(lattice.transform());
     color->setName("Cd");
@@ -137,21 +155,18 @@ void MeshVolumeOptions::validate() const {
     requireField(!name.empty(), "name", "''", "not empty");
 }
 
-MeshVolume meshToVolume(const TriangleMesh& asGiven, const MeshVolumeOptions& options) {
+MeshVolume meshToVolume(const TriangleMesh& asGiven, const MeshVolumeOptions& options,
+                        const ProgressCallback& progress) {
     options.validate();
     const MeshLattice lattice = latticeFor(asGiven, options);
     MeshVolume volume;
     volume.thickness = options.thickness;
     volume.shells = shellsOf(asGiven);
     requireRoom(volume.shells, options, lattice.voxel);
+    count(lattice.voxel, volume);
     const TriangleMesh mesh = facingAlike(asGiven, volume.shells);
-    volume.density = fillClosed(mesh, lattice, volume);
-    const FloatGrid::Ptr sheets = thicken(mesh, lattice, options.thickness, volume);
-    if (volume.density && sheets)
-        openvdb::tools::compMax(*volume.density, *sheets);
-    else if (sheets)
-        volume.density = sheets;
-    if (!volume.density) throw InvalidArgument("the mesh has no extent");
+    volume.density = densityOf(mesh, lattice, volume, progress);
+    if (!volume.density) return volume;
     forEachActive(*volume.density, [](float& value, const openvdb::CoordBBox&) {
         value = value < kRounding ? 0 : value > 1 - kRounding ? 1 : value;
     });
@@ -162,7 +177,8 @@ MeshVolume meshToVolume(const TriangleMesh& asGiven, const MeshVolumeOptions& op
     if (mesh.colors.empty()) return volume;
     MeshPart all{mesh, {}};
     for (const MeshShell& shell : volume.shells.shells) add(all.triangles, shell);
-    volume.color = colorsFor(all, lattice, options, *volume.density);
+    volume.color = colorsFor(all, lattice, options.thickness / 2 + kBand, *volume.density, progress);
+    if (!volume.color) volume.density = nullptr;
     return volume;
 }
 

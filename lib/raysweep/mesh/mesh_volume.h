@@ -1,6 +1,7 @@
 /// From meshes to volumes.
 #pragma once
 
+#include "raysweep/core/progress.h"
 #include "raysweep/mesh/mesh_shells.h"
 #include "raysweep/volume/grids.h"
 
@@ -19,7 +20,7 @@ struct MeshVolumeOptions {
 };
 
 struct MeshVolume {
-    openvdb::FloatGrid::Ptr density;  ///< part of a voxel that is inside, in [0,1]: 1/2 on the surface
+    openvdb::FloatGrid::Ptr density;  ///< part of a voxel that is inside, in [0,1]: 1/2 on the surface; null if stopped
     openvdb::Vec3SGrid::Ptr
         color;                ///< "Cd", wherever density is and a few voxels beyond; null if the mesh has no colours
     MeshShells shells;        ///< what the mesh is made of
@@ -34,9 +35,11 @@ struct MeshVolume {
 /// too. Triangles that face otherwise than their shell are turned. Open shells are given a thickness, half of it on
 /// either side. Density falls from 1 to 0 within one voxel across the surface. Colours are those of the nearest place
 /// on the mesh. Of what overlaps the denser counts. Index (0,0,0) lies at the low corner of the meshes' box; with a
-/// given voxel size voxels lie between multiples of it.
+/// given voxel size voxels lie between multiples of it. Asks `progress` now and then, and stops with no density if told
+/// to.
 /// @throw InvalidArgument for options out of bounds, a mesh without extent, more than 65536 voxels along a side, or
 /// more than the machine's memory holds
-MeshVolume meshToVolume(const TriangleMesh& mesh, const MeshVolumeOptions& options = {});
+MeshVolume meshToVolume(const TriangleMesh& mesh, const MeshVolumeOptions& options = {},
+                        const ProgressCallback& progress = {});
 
 }  // namespace raysweep

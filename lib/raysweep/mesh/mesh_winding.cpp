@@ -28,6 +28,30 @@ bool isLeft(const Vec3s& a, const Vec3s& b, double side) {
     return side > 0 || (side == 0 && isBefore(a, b));
 }
 
+/// Where the rays of one x may meet a triangle. A little more than that: `side` decides.
+struct Column {
+    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+
+    /// Takes in where the edge from `a` to `b` is at `x`.
+    void add(const Vec3s& a, const Vec3s& b, double x) {
+        const double left = double(a.x()), right = double(b.x());
+        if (x < std::min(left, right) || x > std::max(left, right)) return;
+        if (left == right) return take(double(a.y())), take(double(b.y()));
+        take(double(a.y()) + (double(b.y()) - double(a.y())) * ((x - left) / (right - left)));
+    }
+
+    int first() const { return int(std::ceil(low - kRounding)); }
+    int last() const { return int(std::floor(high + kRounding)); }
+
+  private:
+    static constexpr double kRounding = 1e-3;  ///< of doubles at places up to 65536: 1e-10 at most
+
+    void take(double y) {
+        low = std::min(low, y);
+        high = std::max(high, y);
+    }
+};
+
 }  // namespace
 
 MeshWinding::MeshWinding(const MeshPart& part, const MeshLattice& lattice) {
@@ -45,15 +69,20 @@ void MeshWinding::add(const Vec3s (&corners)[3]) {
     if (area == 0) return;
     if (area < 0) std::swap(b, c);       // counter-clockwise seen from above
     const int sign = area > 0 ? -1 : 1;  // a face that looks along z is left
-    const auto first = [](float p, float q, float r) { return int(std::ceil(std::min({p, q, r}))); };
-    const auto last = [](float p, float q, float r) { return int(std::floor(std::max({p, q, r}))); };
-    for (int x = first(a.x(), b.x(), c.x()); x <= last(a.x(), b.x(), c.x()); ++x)
-        for (int y = first(a.y(), b.y(), c.y()); y <= last(a.y(), b.y(), c.y()); ++y) {
+    const auto first = int(std::ceil(std::min({a.x(), b.x(), c.x()})));
+    const auto last = int(std::floor(std::max({a.x(), b.x(), c.x()})));
+    for (int x = first; x <= last; ++x) {
+        Column column;
+        column.add(a, b, x);
+        column.add(b, c, x);
+        column.add(c, a, x);
+        for (int y = column.first(); y <= column.last(); ++y) {
             const double atC = side(a, b, x, y), atA = side(b, c, x, y), atB = side(c, a, x, y);
             if (!isLeft(a, b, atC) || !isLeft(b, c, atA) || !isLeft(c, a, atB)) continue;
             const double z = (atA * double(a.z()) + atB * double(b.z()) + atC * double(c.z())) / (atA + atB + atC);
             crossings_.push_back({x, y, float(z), sign});
         }
+    }
 }
 
 bool MeshWinding::isBefore(const Crossing& a, const Crossing& b) {

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <thread>
+#include <vector>
+
 #include "raysweep/volume/active_values.h"
 #include "support/expect_error.h"
 #include "support/meshes.h"
@@ -161,6 +165,42 @@ TEST(MeshVolume, ColoursAreThoseOfTheNearestPlace) {
     // Wherever density is, and one voxel beyond.
     EXPECT_TRUE(made.color->tree().isValueOn(made.color->transform().worldToIndexCellCentered({8.5, 8.5, 20.5})));
     EXPECT_NEAR(at(8.5, 8.5, 1.5).y(), 0.5, 1e-5);
+}
+
+// A corner is as good as another: single floats would add up a million of them to a sum that is 1 % off.
+TEST(MeshVolume, InsidesHaveTheMeanColourOfAllCorners) {
+    TriangleMesh mesh = boxMesh(Vec3(0), Vec3(32));
+    mesh.positions.resize(1000000, Vec3(0));
+    mesh.colors.assign(mesh.positions.size(), Color(0.1f, 0.7f, 0.3f));
+    const MeshVolume made = meshToVolume(mesh, voxelsOf(1));
+    ASSERT_TRUE(made.color);
+    EXPECT_EQ(made.color->tree().getValue({16, 16, 16}), openvdb::Vec3s(0.1f, 0.7f, 0.3f));
+}
+
+TEST(MeshVolume, TellsHowFarItIsAndStops) {
+    TriangleMesh mesh = sphereMesh(Vec3(0), 2, 4);
+    append(mesh, squareMesh(16, 0, 1));
+    mesh.colors.assign(mesh.positions.size(), Color(1));
+    std::vector<std::string> stages;
+    const std::thread::id caller = std::this_thread::get_id();
+    const MeshVolume whole = meshToVolume(mesh, voxelsOf(0.1), [&](const std::string& stage, double fraction) {
+        EXPECT_EQ(std::this_thread::get_id(), caller);
+        EXPECT_TRUE(fraction >= 0 && fraction <= 1) << fraction;
+        if (stages.empty() || stages.back() != stage) stages.push_back(stage);
+        return true;
+    });
+    EXPECT_EQ(stages, (std::vector<std::string>{"distances", "insides", "distances"}));
+    EXPECT_TRUE(whole.density && whole.color);
+    std::size_t calls = 0, most = 0;
+    const auto stopAfter = [&](const std::string&, double) { return calls++ < most; };
+    for (most = 0; most < 100000; most = 2 * most + 1) {
+        calls = 0;
+        const MeshVolume made = meshToVolume(mesh, voxelsOf(0.1), stopAfter);
+        if (calls <= most) break;  // was never told to stop
+        EXPECT_FALSE(made.density) << most;
+        EXPECT_EQ(calls, most + 1) << "went on";
+    }
+    EXPECT_GT(most, 10u);
 }
 
 TEST(MeshVolume, NamesWhatCannotBe) {
