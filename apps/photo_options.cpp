@@ -182,7 +182,6 @@ void completeLight(PhotoArguments& a, const CLI::App& command) {
     if (a.findLight && a.lampStands) usageError("--fixed-light", "light that stands still cannot be found");
     if (!a.findLight) {
         a.lightInWorld = parseDirection(a.light, "--light");
-        if (!(a.lightInWorld->length() > 0)) usageError("--light", "must not be 0,0,0");
         if (!(a.shading.diffuse > 0)) usageError("--light", "needs --diffuse as well");
     }
 }

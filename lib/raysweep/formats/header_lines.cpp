@@ -81,6 +81,10 @@ std::string lowerCase(std::string text) {
     return text;
 }
 
+bool endsWith(const std::string& text, const std::string& end) {
+    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
 bool toNumber(const std::string& text, double& number) {
     char* end = nullptr;
     number = std::strtod(text.c_str(), &end);

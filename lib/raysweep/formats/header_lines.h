@@ -37,6 +37,7 @@ class HeaderLines {
 
 std::string trimmed(const std::string& text);
 std::string lowerCase(std::string text);
+bool endsWith(const std::string& text, const std::string& end);
 /// The number that `text` is, all of it; false if it is none, or none that fits. "nan" and "inf" are numbers.
 bool toNumber(const std::string& text, double& number);
 bool toWhole(const std::string& text, std::int64_t& number);

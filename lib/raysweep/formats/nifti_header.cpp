@@ -17,10 +17,6 @@ namespace {
 
 constexpr std::size_t kSize1 = 348, kSize2 = 540;
 
-bool endsWith(const std::string& text, const std::string& end) {
-    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// The other of a pair, .hdr for .img and back; compressed or not, whichever there is.
 std::string partnerOf(const std::string& path, const std::string& from, const std::string& to) {
     std::string stem = path;

@@ -17,6 +17,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <utility>
 
 namespace fs = std::filesystem;
 
@@ -26,10 +27,6 @@ namespace {
 enum class Kind { unknown, nrrd, metaImage, nifti, dicom, picture };
 
 const char* const kKnown = "NRRD, MetaImage, NIfTI, DICOM, TIFF, PNG";
-
-bool endsWith(const std::string& text, const std::string& end) {
-    return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 /// True if the file starts as DICOM files do.
 bool hasDicomMark(const std::string& path) {
@@ -66,8 +63,14 @@ std::vector<std::string> filesIn(const std::string& folder) {
     return files;
 }
 
+/// Files of one kind, in natural order.
+struct VolumeFiles {
+    Kind kind = Kind::unknown;
+    std::vector<std::string> files;
+};
+
 /// Those of `files` that make the folder's volume: its DICOM images if there are any, else its pictures.
-std::vector<std::string> volumeIn(const std::string& folder, const std::vector<std::string>& files) {
+VolumeFiles volumeIn(const std::string& folder, const std::vector<std::string>& files) {
     std::vector<std::string> dicom, pictures, volumes;
     std::set<std::string> extensions;
     for (const std::string& file : files) {
@@ -76,11 +79,11 @@ std::vector<std::string> volumeIn(const std::string& folder, const std::vector<s
         if (kind == Kind::picture) pictures.push_back(file), extensions.insert(lowerCase(fs::path(file).extension()));
         if (kind == Kind::nrrd || kind == Kind::metaImage || kind == Kind::nifti) volumes.push_back(file);
     }
-    if (!dicom.empty()) return dicom;
+    if (!dicom.empty()) return {Kind::dicom, dicom};
     if (extensions.size() > 1)
         failRead(folder, "the folder has pictures of several kinds (" + *extensions.begin() + ", " +
                              *extensions.rbegin() + "); give those that make the volume");
-    if (!pictures.empty()) return pictures;
+    if (!pictures.empty()) return {Kind::picture, pictures};
     if (!volumes.empty()) failRead(folder, "it is a folder; give the file in it, '" + volumes.front() + "'");
     failRead(folder, "the folder has no DICOM images and no pictures (TIFF, PNG), but " +
                          (files.empty() ? "no files at all"
@@ -88,8 +91,9 @@ std::vector<std::string> volumeIn(const std::string& folder, const std::vector<s
                                               ", such as '" + fs::path(files.front()).filename().string() + "'"));
 }
 
-/// All of the same kind, which is returned.
-Kind commonKind(const std::vector<std::string>& files) {
+/// All must be of the same kind.
+VolumeFiles volumeOf(std::vector<std::string> files) {
+    std::sort(files.begin(), files.end(), naturallyBefore);
     Kind kind = Kind::unknown;
     for (const std::string& file : files) {
         if (fs::is_directory(file)) failRead(file, "it is a folder; give files, or one folder");
@@ -105,7 +109,7 @@ Kind commonKind(const std::vector<std::string>& files) {
         throw InvalidArgument("'" + files[1] +
                               "': only pictures and DICOM images make one volume of several files; "
                               "import the others one by one");
-    return kind;
+    return {kind, std::move(files)};
 }
 
 }  // namespace
@@ -113,10 +117,8 @@ Kind commonKind(const std::vector<std::string>& files) {
 StoredVolume readVolumeFiles(const std::vector<std::string>& given, const VolumeRequest& request,
                              const ProgressCallback& progress) {
     const bool folder = given.size() == 1 && fs::is_directory(given.front());
-    std::vector<std::string> files = folder ? volumeIn(given.front(), filesIn(given.front())) : given;
-    std::sort(files.begin(), files.end(), naturallyBefore);
+    const auto [kind, files] = folder ? volumeIn(given.front(), filesIn(given.front())) : volumeOf(given);
     for (const std::string& file : files) noteInput(file);
-    const Kind kind = commonKind(files);
     if (!request.series.empty() && kind != Kind::dicom)
         throw InvalidArgument("a series can be chosen from DICOM images only, and '" + files.front() + "' is none");
     switch (kind) {
