@@ -121,7 +121,7 @@ nlohmann::ordered_json describe(const CtArguments& a, const Scan& scan, const Re
     nlohmann::ordered_json json = {{"method", a.method},
                                    {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
                                    {"center", {grid.center.x, grid.center.y, grid.center.z}},
-                                   {"spacing", grid.spacing},
+                                   {"spacing", {grid.spacing.x, grid.spacing.y, grid.spacing.z}},
                                    {"voxels_active", result.volume->activeVoxelCount()},
                                    {"rows_cut", result.rowsCut},
                                    {"seconds", readSeconds + result.seconds.total},

@@ -134,6 +134,13 @@ void completeScan(CtArguments& a) {
     a.scan.geometry = a.geometry.options;
 }
 
+/// S, or X,Y,Z
+Vec3 parseSpacing(const std::string& text) {
+    const std::vector<double> edges = parseNumbers(text, "--spacing", 1, 3, "0.5 or 0.5,0.5,2");
+    if (edges.size() == 2) usageError("--spacing", "'" + text + "': one number or three are needed");
+    return edges.size() == 1 ? Vec3(edges[0]) : Vec3(edges[0], edges[1], edges[2]);
+}
+
 /// Options that mean nothing to the method.
 void requireFittingOptions(const CtArguments& a, const CLI::App& command) {
     const Method method = kMethods.at(a.method);
@@ -165,6 +172,7 @@ void completeReconstruction(CtArguments& a) {
         const std::vector<int> size = parseWhole(a.size, "--size", 3, {1, kMostVoxelsAlong}, "256,256,110");
         options.grid.dims = Index3(size[0], size[1], size[2]);
     }
+    if (!a.spacing.empty()) options.grid.spacing = parseSpacing(a.spacing);
     if (!a.center.empty()) options.grid.center = parseVec3(a.center, "--volume-center");
 }
 
@@ -180,8 +188,10 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
     app.add_option("--size", a.size,
                    "Voxels along x, y, z (default: as --initial or --reference, else all that the detector sees)")
         ->type_name("X,Y,Z");
-    app.add_option("--spacing", a.reconstruct.grid.spacing,
-                   "Edge of a voxel, world units (default: likewise, else a pixel's, seen at the axis)");
+    app.add_option("--spacing", a.spacing,
+                   "Edge of a voxel, or its edges along x, y, z, world units (default: likewise, else a pixel's, seen "
+                   "at the axis)")
+        ->type_name("S|X,Y,Z");
     app.add_option("--volume-center", a.center,
                    "Middle of the volume, world units (default: likewise, else of what the detector sees)")
         ->type_name("X,Y,Z");

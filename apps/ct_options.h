@@ -18,7 +18,7 @@ struct CtArguments {
     ScanArguments geometry;
     std::string axisColumn, rows;
     std::string output, method = "sart", order = "golden", support = "auto", window = "ram-lak";
-    std::string size, center, initial, reference, plot, slices, record;
+    std::string size, spacing, center, initial, reference, plot, slices, record;
     bool nonNegative = false, half = false, sinograms = false;
 };
 

@@ -48,7 +48,7 @@ ProjectionGeometry rolled(ProjectionGeometry geometry, double degrees) {
 ReconstructionGrid wholeGrid() {
     ReconstructionGrid grid;
     grid.dims = kDims;
-    grid.spacing = 1;
+    grid.spacing = Vec3(1);
     return grid;
 }
 

@@ -23,7 +23,7 @@ constexpr int kEdge = 128;
 ReconstructionGrid grid() {
     ReconstructionGrid grid;
     grid.dims = Index3(kEdge);
-    grid.spacing = 2.0 / kEdge;
+    grid.spacing = Vec3(2.0 / kEdge);
     return grid;
 }
 

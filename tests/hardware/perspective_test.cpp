@@ -32,7 +32,7 @@ ReconstructionGrid gridOf(const Index3& dims) {
     ReconstructionGrid grid;
     grid.dims = dims;
     grid.center = Vec3(0.3, -0.2, 0.1);
-    grid.spacing = kSpacing;
+    grid.spacing = Vec3(kSpacing);
     return grid;
 }
 
@@ -40,7 +40,7 @@ cube4::DenseBox boxOf(const ReconstructionGrid& grid) {
     cube4::DenseBox box;
     box.high = grid.dims;
     box.worldFromIndex.makeIdentity();
-    box.worldFromIndex *= grid.spacing;
+    box.worldFromIndex *= grid.edge();
     return box;
 }
 
@@ -81,9 +81,9 @@ XrayView viewAcross(const ReconstructionGrid& grid, int major, double way, doubl
     view.source = grid.voxel(source.x, source.y, source.z);
     const int u = major == 2 ? 1 : 2, v = major == 0 ? 1 : 0;
     const double behind = distance + last[major] + 3;
-    view.column[u] = view.row[v] = pitch * behind * grid.spacing;
+    view.column[u] = view.row[v] = pitch * behind * grid.edge();
     view.origin = view.source;
-    view.origin[major] += way * behind * grid.spacing;
+    view.origin[major] += way * behind * grid.edge();
     view.origin -= view.column * (0.5 * (pixels - 1) + 0.13) + view.row * (0.5 * (pixels - 1) - 0.21);
     return view;
 }

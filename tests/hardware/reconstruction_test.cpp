@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -19,12 +20,13 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const Index3 kDims(14, 12, 10);
 constexpr double kSpacing = 0.4;
+const Vec3 kSpacings[] = {Vec3(kSpacing), Vec3(0.4, 0.4, 1), Vec3(0.7, 0.3, 0.4)};
 
-ReconstructionGrid gridOfCase() {
+ReconstructionGrid gridOfCase(const Vec3& spacing) {
     ReconstructionGrid grid;
     grid.dims = kDims;
     grid.center = Vec3(0.3, -0.2, 0.1);
-    grid.spacing = kSpacing;
+    grid.spacing = spacing;
     return grid;
 }
 
@@ -33,10 +35,10 @@ XrayView alignedView(const ReconstructionGrid& grid, int major, const Vec3& slop
     XrayView view;
     view.direction = slopes;
     view.direction[major] = slopes[major] < 0 ? -1 : 1;
-    view.direction.normalize();
+    view.direction = (view.direction * grid.spacing).normalized();
     const int u = major == 2 ? 1 : 2, v = major == 0 ? 1 : 0;
-    view.column[u] = kSpacing;
-    view.row[v] = kSpacing;
+    view.column[u] = grid.spacing[u];
+    view.row[v] = grid.spacing[v];
     Vec3 first(0);
     first[u] = -20.31;
     first[v] = -20.77;
@@ -70,7 +72,7 @@ cube4::DenseBox boxOf(const ReconstructionGrid& grid) {
     cube4::DenseBox box;
     box.high = grid.dims;
     box.worldFromIndex.makeIdentity();
-    box.worldFromIndex *= grid.spacing;
+    for (int axis = 0; axis < 3; ++axis) box.worldFromIndex[axis][axis] = grid.spacing[axis];
     return box;
 }
 
@@ -86,11 +88,11 @@ cube4::MeasuredView measuredView(const XrayView& view, const Projections& projec
 }
 
 struct Case {
-    ReconstructionGrid grid = gridOfCase();
+    ReconstructionGrid grid;
     ProjectionGeometry geometry;
     Projections projections;
 
-    Case() {
+    explicit Case(const Vec3& spacing = Vec3(kSpacing)) : grid(gridOfCase(spacing)) {
         initializeGrids();
         geometry.width = geometry.height = 54;
         geometry.views = tenViews(grid);
@@ -100,10 +102,9 @@ struct Case {
 
 }  // namespace
 
-// Where the machine's rays are the detector's, one is Joseph's projector as the other. Asked: 1e-6. Found: 2.2e-7 of
-// the largest, and 3.0e-7 after ten updates.
-TEST(Cube4Reconstruction, ProjectsAsJosephDoes) {
-    const Case all;
+namespace {
+
+void expectSameProjections(const Case& all) {
     cube4::ReconstructionSetup setup;
     setup.lower = -kInfinity;
     setup.upper = setup.saturation = kInfinity;
@@ -125,11 +126,11 @@ TEST(Cube4Reconstruction, ProjectsAsJosephDoes) {
         }
     }
     EXPECT_GT(largest, 3);
+    std::printf("%g\n", worst / largest);
     EXPECT_LE(worst / largest, 3.3e-7);
 }
 
-TEST(Cube4Reconstruction, UpdatesAsSartDoes) {
-    const Case all;
+void expectSameUpdates(const Case& all) {
     SartOptions options;
     options.iterations = 1;
     options.order = ViewOrder::sequential;
@@ -152,9 +153,22 @@ TEST(Cube4Reconstruction, UpdatesAsSartDoes) {
         test::raiseTo(largest, double(software[i]));
     }
     EXPECT_GT(largest, 0.5);
+    std::printf("%g\n", worst / largest);
     EXPECT_LE(worst / largest, 3.3e-7);
     // A voxel is read in a cycle; read and written in two.
     EXPECT_LT(machine.projectCounters().cycles * 2, machine.backprojectCounters().cycles + 300);
+}
+
+}  // namespace
+
+// Where the machine's rays are the detector's, one is Joseph's projector as the other. Asked: 1e-6. Found: 2.2e-7 of
+// the largest, and 3.0e-7 after ten updates.
+TEST(Cube4Reconstruction, ProjectsAsJosephDoes) {
+    for (const Vec3& spacing : kSpacings) expectSameProjections(Case(spacing));
+}
+
+TEST(Cube4Reconstruction, UpdatesAsSartDoes) {
+    for (const Vec3& spacing : kSpacings) expectSameUpdates(Case(spacing));
 }
 
 // Voxels of few bits with corrections of many, and the reverse: λ is what was asked for in all. With 16 fraction bits

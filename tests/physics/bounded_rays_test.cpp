@@ -36,7 +36,7 @@ ProjectionGeometry turn() {
 /// matter.
 Projections projectionsOf(const Shapes& shapes) {
     const openvdb::FloatGrid::Ptr voxels = voxelize(shapes, openvdb::Coord(56, 56, 12), 1);
-    voxels->setTransform(ReconstructionGrid{Index3(56, 56, 12), Vec3(0), 1}.transform());
+    voxels->setTransform(ReconstructionGrid{Index3(56, 56, 12), Vec3(0), Vec3(1)}.transform());
     return projectGrid(*voxels, turn());
 }
 

@@ -43,7 +43,7 @@ SartResult boxWithHoles(BeamShape beam, const SartOptions& options) {
     phantom.voxelSize = 1;
     const openvdb::FloatGrid::Ptr box = makeBoxWithHoles(phantom);
     const ProjectionGeometry geometry = circularGeometry(orbit(beam));
-    return sart(projectGrid(*box, geometry), geometry, {kDims, Vec3(0), 1}, options, {nullptr, box});
+    return sart(projectGrid(*box, geometry), geometry, {kDims, Vec3(0), Vec3(1)}, options, {nullptr, box});
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ TEST(CtSlow, TheEngine) {
     quick.relaxation = 0.5;
     quick.historyEvery = 10;
     const SartResult result =
-        sart(projectGrid(*engine, geometry), geometry, {kDims, around.center, 1}, quick, {nullptr, engine});
+        sart(projectGrid(*engine, geometry), geometry, {kDims, around.center, Vec3(1)}, quick, {nullptr, engine});
     ASSERT_EQ(result.history.size(), 8u);
     EXPECT_LE(result.history[4].rms, 0.0646) << "after 50 updates";
 }

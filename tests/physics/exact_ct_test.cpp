@@ -33,7 +33,7 @@ struct Errors {
 Errors errorsOf(const std::vector<SolidShape>& shapes, BeamShape beam) {
     const ProjectionGeometry geometry = turn(beam);
     const Projections exact = exactProjections(shapes, geometry);
-    const ReconstructionGrid grid{Index3(kSize), Vec3(0), 2.0 / kSize};
+    const ReconstructionGrid grid{Index3(kSize), Vec3(0), Vec3(2.0 / kSize)};
     const openvdb::FloatGrid::Ptr truth = voxelize(shapes, openvdb::Coord(kSize), 2.0 / kSize);
     SartOptions options;
     options.lower = 0;

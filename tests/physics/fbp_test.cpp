@@ -49,9 +49,9 @@ Truth truthOf(const Shapes& shapes, const ReconstructionGrid& where) {
         for (int j = 0; j < where.dims.y; ++j)
             for (int k = 0; k < where.dims.z; ++k) {
                 const Vec3 p = where.voxel(i, j, k);
-                const double mean = meanAt(shapes, p, where.spacing, flat);
+                const double mean = meanAt(shapes, p, where.edge(), flat);
                 truth.means.push_back(mean);
-                truth.inner.push_back(mean > 0 && meanAt(shapes, p, 5 * where.spacing, flat) == mean);
+                truth.inner.push_back(mean > 0 && meanAt(shapes, p, 5 * where.edge(), flat) == mean);
             }
     return truth;
 }
@@ -79,7 +79,7 @@ Difference reconstruct(const Truth& truth, const ProjectionGeometry& geometry) {
 ReconstructionGrid gridOf(int x, int y, int z, double spacing, const Vec3& center = Vec3(0)) {
     ReconstructionGrid where;
     where.dims = Index3(x, y, z);
-    where.spacing = spacing;
+    where.spacing = Vec3(spacing);
     where.center = center;
     return where;
 }

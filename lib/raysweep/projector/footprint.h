@@ -10,7 +10,7 @@ struct VoxelBox {
     Index3 low, high;
 };
 
-/// Pixels [low, high), rows as JosephView counts them.
+/// Pixels [low, high), columns and rows as JosephView counts them.
 struct PixelBox {
     int lowColumn, highColumn, lowRow, highRow;
 };

@@ -3,6 +3,7 @@
 #include "raysweep/sweep/axis.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace raysweep {
 namespace {
@@ -13,6 +14,18 @@ constexpr double kParallel = 1e-6;
 
 Vec3 toVoxel(const ColumnLattice& lattice, const Matrix3& voxelFromWorld, const Vec3& point) {
     return (point - lattice.origin) * voxelFromWorld;
+}
+
+/// What the columns of a detector, relative to its rows, must follow an axis better by to be taken for rows.
+constexpr double kOnSide = 1.001;
+
+/// Makes rows of the detector's columns, if these run along the volume's better.
+void turnIfOnSide(JosephView& view) {
+    const Vec3 &column = view.xray.column, &row = view.xray.row;
+    if (std::abs(column.z) * row.length() <= kOnSide * std::abs(row.z) * column.length()) return;
+    view.onSide = true;
+    std::swap(view.xray.column, view.xray.row);
+    std::swap(view.width, view.height);
 }
 
 bool alongColumns(const Vec3& v) {
@@ -205,6 +218,7 @@ JosephView josephView(const ProjectionGeometry& geometry, int number, const Colu
     view.xray.direction = world.direction * voxelFromWorld;
     view.xray.column = world.column * voxelFromWorld;
     view.xray.row = world.row * voxelFromWorld;
+    turnIfOnSide(view);
     if (view.xray.row.z < 0) {
         view.flipped = true;
         view.xray.origin += view.xray.row * (view.height - 1);
@@ -224,12 +238,13 @@ JosephView josephView(const ProjectionGeometry& geometry, int number, const Colu
 }
 
 int columnAxisFor(const ProjectionGeometry& geometry, const openvdb::math::Transform& transform) {
+    const auto inIndexSpace = [&](const Vec3& step) {
+        return transform.baseMap()->applyInverseJacobian(openvdb::Vec3d(step.x, step.y, step.z)).unit();
+    };
     Vec3 along(0);
     for (const XrayView& view : geometry.views) {
-        const auto index =
-            transform.baseMap()->applyInverseJacobian(openvdb::Vec3d(view.row.x, view.row.y, view.row.z));
-        const double length = index.length();
-        for (int axis = 0; axis < 3; ++axis) along[axis] += std::abs(index[axis]) / length;
+        const openvdb::Vec3d row = inIndexSpace(view.row), column = inIndexSpace(view.column) / kOnSide;
+        for (int axis = 0; axis < 3; ++axis) along[axis] += std::max(std::abs(row[axis]), std::abs(column[axis]));
     }
     return along.z >= std::max(along.x, along.y) ? 2 : majorAxis(along);
 }

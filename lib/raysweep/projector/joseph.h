@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 namespace raysweep {
@@ -115,7 +116,8 @@ struct DetectorColumnRun {
     int axis = 0;
 };
 
-/// A view in the coordinates of a volume's voxels.
+/// A view in the coordinates of a volume's voxels. Its rows are those of the detector or, if the detector lies on its
+/// side, the detector's columns: whichever follow the volume's columns better.
 struct JosephView {
     enum class Kind {
         level,    ///< each ray stays at one z
@@ -126,17 +128,25 @@ struct JosephView {
     Kind kind = Kind::oblique;
     BeamShape beam = BeamShape::parallel;
     int width = 0, height = 0;
+    bool onSide = false;   ///< columns are the detector's rows, and rows its columns
     bool flipped = false;  ///< rows are counted from the last to the first, so that z grows with them
-    XrayView xray;         ///< voxel coordinates, rows counted as above
+    XrayView xray;         ///< voxel coordinates, columns and rows counted as above
     Matrix3 worldFromVoxel;
     std::vector<DetectorColumn> columns;  ///< each detector column, if level or upright
     std::vector<RolledColumn> rolled;     ///< each detector column, if rolled
     std::vector<DetectorColumnRun> runs;
+
+    /// Where the ray of a column and a row is among the view's values (Projections).
+    std::size_t pixel(int column, int row) const {
+        const std::size_t u = std::size_t(column), v = std::size_t(flipped ? height - 1 - row : row);
+        return onSide ? u * std::size_t(height) + v : v * std::size_t(width) + u;
+    }
 };
 
 JosephView josephView(const ProjectionGeometry& geometry, int view, const ColumnLattice& lattice);
 
-/// The index axis (0, 1, 2) of a grid that columns should run along: the one that detector rows follow best.
+/// The index axis (0, 1, 2) of a grid that columns should run along: the one that detector rows, or the columns of
+/// detectors on their side, follow best.
 int columnAxisFor(const ProjectionGeometry& geometry, const openvdb::math::Transform& transform);
 
 /// One ray for itself: in slice s of `axis` it is at (lateral0 + lateral1 s), the other two axes in ascending order.

@@ -166,10 +166,11 @@ HWY_EXPORT(projectColumnsDispatched);
 void setView(ViewRays& rays, const ProjectionGeometry& geometry, int number, const ColumnLattice& lattice) {
     rays.view = josephView(geometry, number, lattice);
     const bool level = rays.view.kind == JosephView::Kind::level;
-    rays.values.resize(geometry.width, geometry.height);
-    rays.weights.resize(geometry.width, geometry.height);
-    rays.levelValues.resize(level ? geometry.width : 0, lattice.dims.z);
-    rays.levelWeights.resize(level ? geometry.width : 0, lattice.dims.z);
+    const int width = rays.view.width, height = rays.view.height;
+    rays.values.resize(width, height);
+    rays.weights.resize(width, height);
+    rays.levelValues.resize(level ? width : 0, lattice.dims.z);
+    rays.levelWeights.resize(level ? width : 0, lattice.dims.z);
 }
 
 void projectView(const ColumnVolume& volume, ViewRays& rays) {

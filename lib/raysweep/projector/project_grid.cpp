@@ -31,11 +31,9 @@ Projections projectGrid(const openvdb::FloatGrid& grid, const ProjectionGeometry
         projectView(volume, rays);
         float* to = projections.view(view);
         parallelFor(
-            std::size_t(geometry.height),
-            [&](std::size_t row) {
-                const int v = rays.view.flipped ? geometry.height - 1 - int(row) : int(row);
-                for (int u = 0; u < geometry.width; ++u)
-                    to[row * std::size_t(geometry.width) + std::size_t(u)] = rays.values.column(u)[v];
+            std::size_t(rays.view.height),
+            [&](std::size_t v) {
+                for (int u = 0; u < rays.view.width; ++u) to[rays.view.pixel(u, int(v))] = rays.values.column(u)[v];
             },
             16);
     }

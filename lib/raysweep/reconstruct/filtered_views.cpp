@@ -134,8 +134,8 @@ void addFilteredViewsDispatched(const FilteredViews& views, const VoxelColumns& 
         const float* pixels = views.pixels(view);
         for (int a = 0; a < endA; ++a)
             for (int b = 0; b < endB; ++b) {
-                const VoxelColumn voxels(view.matrix, columns.lowest(firstA + a, firstB + b), columns.where.spacing,
-                                         axis, count);
+                const VoxelColumn voxels(view.matrix, columns.lowest(firstA + a, firstB + b),
+                                         columns.where.spacing[axis], axis, count);
                 float* to = sums + std::size_t(a * kFbpBlock + b) * std::size_t(padded);
                 if (voxels.isUpright() && fitsTables(voxels.y.step / voxels.depth.first))
                     addUpright(view, pixels, voxels, to);

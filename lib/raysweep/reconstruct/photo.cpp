@@ -39,13 +39,13 @@ ReconstructionGrid gridOn(const openvdb::FloatGrid& reference, const Box3& box) 
     ReconstructionGrid grid;
     const std::optional<double> edge = edgeOfCubes(reference.transform());
     if (!edge) throw InvalidArgument("the reference's voxels are no cubes along the world's axes");
-    grid.spacing = *edge;
+    grid.spacing = Vec3(*edge);
     const openvdb::Vec3d low = reference.transform().worldToIndex({box.min.x, box.min.y, box.min.z});
     const Vec3 size = box.size();
     openvdb::Vec3d middle(0.0);
     for (int axis = 0; axis < 3; ++axis) {
         const double first = std::floor(low[axis] + 0.5 + 1e-6);
-        grid.dims[axis] = wholeBricks(low[axis] + size[axis] / grid.spacing - (first - 0.5));
+        grid.dims[axis] = wholeBricks(low[axis] + size[axis] / grid.edge() - (first - 0.5));
         middle[axis] = first + 0.5 * (grid.dims[axis] - 1);
     }
     const openvdb::Vec3d center = reference.transform().indexToWorld(middle);
@@ -62,7 +62,10 @@ Box3 activeBox(const openvdb::FloatGrid& reference) {
 }
 
 ReconstructionGrid gridFor(const std::vector<Photograph>& photographs, const PhotoOptions& options) {
-    if (options.grid) return *options.grid;
+    if (options.grid) {
+        options.grid->requireCubes();
+        return *options.grid;
+    }
     if (options.reference) {
         const openvdb::FloatGrid& reference = *options.reference->density;
         return gridOn(reference, options.box ? *options.box : activeBox(reference));

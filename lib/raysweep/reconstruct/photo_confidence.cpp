@@ -39,7 +39,7 @@ void setGrid(const FloatGrid& density, Matter& matter) {
     const openvdb::CoordBBox box = density.evalActiveVoxelBoundingBox();
     matter.origin = box.min() & ~7;
     for (int axis = 0; axis < 3; ++axis) matter.grid.dims[axis] = ((box.max()[axis] - matter.origin[axis]) / 8 + 1) * 8;
-    matter.grid.spacing = density.voxelSize().x();
+    matter.grid.spacing = Vec3(density.voxelSize().x());
     const openvdb::Vec3d last(matter.grid.dims.x - 1, matter.grid.dims.y - 1, matter.grid.dims.z - 1);
     const openvdb::Vec3d center = density.indexToWorld(matter.origin.asVec3d() + 0.5 * last);
     matter.grid.center = Vec3(center.x(), center.y(), center.z());
@@ -54,7 +54,7 @@ Matter matterIn(const FloatGrid& density) {
     for (auto value = density.cbeginValueOn(); value; ++value) {
         const Coord at = value.getCoord() - matter.origin;
         matter.voxels[matter.layout.voxel(Index3(at.x(), at.y(), at.z()))].extinction =
-            float(*value * matter.grid.spacing);
+            float(*value * matter.grid.edge());
     }
     return matter;
 }

@@ -32,7 +32,7 @@ Direction scalesOf(const CompositeVoxel& voxel) {
 ViewPoint viewPoint(const PhotoCamera& camera, const ReconstructionGrid& grid) {
     ViewPoint from;
     from.parallel = camera.projection == Camera::Projection::Orthographic;
-    from.place = (camera.position - grid.voxel(0, 0, 0)) / grid.spacing;
+    from.place = (camera.position - grid.voxel(0, 0, 0)) / grid.edge();
     from.direction = camera.forward;
     return from;
 }

@@ -21,7 +21,7 @@ void addGrids(const CompositeLayout& layout, const ReconstructionGrid& grid, con
             if (!voxel) continue;
             const Index3 at = layout.origins[b] + Index3(i >> 6, i >> 3 & 7, i & 7);
             const openvdb::Coord place(at.x, at.y, at.z);
-            toDensity.setValue(place, float(voxel->extinction / grid.spacing));
+            toDensity.setValue(place, float(voxel->extinction / grid.edge()));
             toColor.setValue(place, openvdb::Vec3s(voxel->red, voxel->green, voxel->blue));
         }
     result.opacity = opacityGrid(*result.density);

@@ -116,7 +116,7 @@ bool mayShow(Undecided& views, const Vec3& center, double radius, Undecided* lef
 class BrickHull {
   public:
     BrickHull(const std::vector<View>& views, const ReconstructionGrid& grid)
-        : grid_(grid), reach_(std::sqrt(3.0) * grid.spacing) {
+        : grid_(grid), reach_(std::sqrt(3.0) * grid.edge()) {
         for (const View& view : views) all_.push_back(&view);
     }
 

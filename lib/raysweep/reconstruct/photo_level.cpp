@@ -20,7 +20,7 @@ class Interpolated {
     /// @param slopes of the colour, which are set if there are any; may be null
     /// @return colour of what is kept; extinction; and in `most` the largest extinction of the voxels around
     CompositeVoxel at(const Vec3& world, float& most, ColorSlopes* slopes = nullptr) const {
-        const Vec3 place = (world - level_.grid.voxel(0, 0, 0)) / level_.grid.spacing;
+        const Vec3 place = (world - level_.grid.voxel(0, 0, 0)) / level_.grid.edge();
         CompositeVoxel sum;
         float colors = 0;
         most = 0;
@@ -149,7 +149,7 @@ std::optional<PhotoLevel> finerLevel(const PhotoLevel& coarse, const std::vector
     PhotoLevel level = levelOf(grid, bricks);
     if (!hasRoom(double(level.layout.voxelCount()), PhotoLevel::bytesPerVoxel(directional))) return std::nullopt;
     clear(level, directional);
-    const float finer = float(grid.spacing / coarse.grid.spacing);
+    const float finer = float(grid.edge() / coarse.grid.edge());
     forKept(level.layout, [&](std::size_t i, const Index3& at) {
         float most;
         level.voxels[i] = from.at(grid.voxel(at.x, at.y, at.z), most, directional ? &level.slopes[i] : nullptr);

@@ -32,10 +32,9 @@ std::vector<Photograph> someOf(const std::vector<Photograph>& photographs, int m
 }
 
 ReconstructionGrid coarser(ReconstructionGrid grid, int resolution) {
-    const Vec3 size = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;
-    grid.spacing = std::max(grid.spacing, std::max({size.x, size.y, size.z}) / resolution);
-    for (int axis = 0; axis < 3; ++axis)
-        grid.dims[axis] = std::max(1, int(std::ceil(size[axis] / grid.spacing - 1e-6)));
+    const Vec3 size = grid.size();
+    grid.spacing = Vec3(std::max(grid.edge(), std::max({size.x, size.y, size.z}) / resolution));
+    for (int axis = 0; axis < 3; ++axis) grid.dims[axis] = std::max(1, int(std::ceil(size[axis] / grid.edge() - 1e-6)));
     return grid;
 }
 

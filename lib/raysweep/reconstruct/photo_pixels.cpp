@@ -43,7 +43,7 @@ PhotoPixels::Place PhotoPixels::place(std::uint32_t pixel) const {
 CompositeRay PhotoPixels::ray(std::uint32_t pixel, const PhotoLevel& level, int perSlice) const {
     const Place at = place(pixel);
     Ray ray = pixelRay(at.photograph->camera, at.x + 0.5, at.y + 0.5);
-    ray.origin = (ray.origin - level.grid.voxel(0, 0, 0)) / level.grid.spacing;
+    ray.origin = (ray.origin - level.grid.voxel(0, 0, 0)) / level.grid.edge();
     return compositeRay(level.layout, ray, perSlice);
 }
 

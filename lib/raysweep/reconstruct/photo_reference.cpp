@@ -29,7 +29,7 @@ void forVoxelsIn(const ReconstructionGrid& grid, const ColorVolume& volume, cons
         for (const openvdb::Coord& at : box) {
             const openvdb::Vec3s c = color.getValue(at);
             const openvdb::Coord to = at - *shift;
-            body(Index3(to.x(), to.y(), to.z()), CompositeVoxel{float(*value * grid.spacing), c[0], c[1], c[2]});
+            body(Index3(to.x(), to.y(), to.z()), CompositeVoxel{float(*value * grid.edge()), c[0], c[1], c[2]});
         }
     }
 }

@@ -272,6 +272,7 @@ PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const 
                               const ProgressCallback& progress) {
     options.validate();
     grid.validate();
+    grid.requireCubes();
     const Timer timer;
     PhotoReconstruction result;
     const std::vector<Photograph> pictures = picturesFor(photographs, grid);

@@ -18,7 +18,7 @@ PhotoSurfaces surfacesOf(const PhotoReconstruction& volume, const Reconstruction
         for (openvdb::Index i = 0; i < 512; ++i) {
             if (!density->isValueOn(i)) continue;
             const openvdb::Vec3s c = color->getValue(i);
-            to.voxels[b * 512 + i] = {float(density->getValue(i) * grid.spacing), c[0], c[1], c[2]};
+            to.voxels[b * 512 + i] = {float(density->getValue(i) * grid.edge()), c[0], c[1], c[2]};
         }
     }
     parallelFor(to.layout.brickCount() - 1,

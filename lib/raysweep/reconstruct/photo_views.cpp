@@ -12,15 +12,15 @@ namespace {
 /// What a ray stands for, if there are `parts` x `parts` for each pixel.
 RayShare shareOf(const PhotoCamera& camera, const Ray& ray, const CompositeRay& line, const ReconstructionGrid& grid,
                  double parts) {
-    const double perPixel = std::sqrt(double(line.length)) / (parts * grid.spacing);
+    const double perPixel = std::sqrt(double(line.length)) / (parts * grid.edge());
     if (camera.projection == Camera::Projection::Orthographic)
         return {float(perPixel / std::sqrt(camera.focalX * camera.focalY)), 0};
     // A pixel's cross section grows with the square of the depth, and is smaller for rays that are aslant.
     const double aslant = ray.direction.dot(camera.forward);
     const double perDepth = perPixel * std::sqrt(aslant / (camera.focalX * camera.focalY));
-    const double slice = line.start + (grid.voxel(0, 0, 0)[line.axis] - ray.origin[line.axis]) / grid.spacing;
+    const double slice = line.start + (grid.voxel(0, 0, 0)[line.axis] - ray.origin[line.axis]) / grid.edge();
     const double along = ray.direction[line.axis];
-    const double depth = (slice * grid.spacing / along) * aslant, step = line.step * grid.spacing / along * aslant;
+    const double depth = (slice * grid.edge() / along) * aslant, step = line.step * grid.edge() / along * aslant;
     return {float(depth * perDepth), float(step * perDepth)};
 }
 
@@ -82,18 +82,18 @@ void gather(const std::vector<Tile>& tiles, PhotoRays& to) {
 ReconstructionGrid photoGrid(const Box3& box, int resolution) {
     ReconstructionGrid grid;
     const Vec3 size = box.size();
-    grid.spacing = std::max({size.x, size.y, size.z}) / resolution;
+    grid.spacing = Vec3(std::max({size.x, size.y, size.z}) / resolution);
     grid.center = box.center();
     for (int axis = 0; axis < 3; ++axis)
-        grid.dims[axis] = std::clamp(int(std::ceil(size[axis] / grid.spacing / 8 - 1e-6)) * 8, 8, resolution);
+        grid.dims[axis] = std::clamp(int(std::ceil(size[axis] / grid.edge() / 8 - 1e-6)) * 8, 8, resolution);
     return grid;
 }
 
 double pixelEdge(const PhotoCamera& camera, const ReconstructionGrid& grid) {
     const double focal = std::sqrt(camera.focalX * camera.focalY);
-    if (camera.projection == Camera::Projection::Orthographic) return 1 / (focal * grid.spacing);
+    if (camera.projection == Camera::Projection::Orthographic) return 1 / (focal * grid.edge());
     const double depth = (grid.center - camera.position).dot(camera.forward);
-    return std::max(depth, grid.spacing) / (focal * grid.spacing);
+    return std::max(depth, grid.edge()) / (focal * grid.edge());
 }
 
 std::vector<Photograph> picturesFor(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid) {
@@ -125,7 +125,7 @@ void setRays(PhotoRays& to, const Photograph& picture, const ReconstructionGrid&
                 if (half && ((x + y + time) & 1) != 0) continue;
                 const Ray ray = pixelRay(camera, (x + 0.5) / parts, (y + 0.5) / parts);
                 const CompositeRay line =
-                    compositeRay(layout, {(ray.origin - first) / grid.spacing, ray.direction}, perSlice);
+                    compositeRay(layout, {(ray.origin - first) / grid.edge(), ray.direction}, perSlice);
                 const std::array<float, 4> pixel = pixelAt(picture.matte, (x + 0.5) / parts, (y + 0.5) / parts);
                 if (meetsBricks(layout, line)) {
                     tiles[n].rays.push_back(line);

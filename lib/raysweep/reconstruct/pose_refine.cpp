@@ -50,7 +50,7 @@ class PoseFit {
     PoseFit(const PhotoLevel& level, const Photograph& picture, const Backdrops& backdrops, int perSlice)
         : level_(level), picture_(picture), backdrops_(backdrops), perSlice_(perSlice), camera_(picture.camera) {
         const Index3 dims = level.grid.dims;
-        length_ = 0.5 * level.grid.spacing * Vec3(dims.x, dims.y, dims.z).length();
+        length_ = 0.5 * level.grid.edge() * Vec3(dims.x, dims.y, dims.z).length();
         choosePixels();
     }
 
@@ -75,7 +75,7 @@ class PoseFit {
 
     CompositeRay rayOf(const PhotoCamera& camera, const Pixel& pixel) const {
         Ray ray = pixelRay(camera, pixel.x + 0.5, pixel.y + 0.5);
-        ray.origin = (ray.origin - level_.grid.voxel(0, 0, 0)) / level_.grid.spacing;
+        ray.origin = (ray.origin - level_.grid.voxel(0, 0, 0)) / level_.grid.edge();
         return compositeRay(level_.layout, ray, perSlice_);
     }
 
@@ -116,7 +116,7 @@ class PoseFit {
 
     /// What the residuals say about the unknowns, each slope from renders to both sides.
     Equations equations() const {
-        const double probe = kProbe * level_.grid.spacing / length_;
+        const double probe = kProbe * level_.grid.edge() / length_;
         std::array<std::vector<Residual>, 6> more, less;
         for (std::size_t n = 0; n < 6; ++n) {
             Equations::Vector x{};

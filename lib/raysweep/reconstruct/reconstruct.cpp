@@ -9,6 +9,7 @@
 #include "raysweep/reconstruct/direct_scan.h"
 #include "raysweep/reconstruct/grid_lattice.h"
 #include "raysweep/reconstruct/orbit_fit.h"
+#include "raysweep/reconstruct/rays_beside.h"
 #include "raysweep/reconstruct/truncation.h"
 #include "raysweep/scan/line_integrals.h"
 #include "raysweep/volume/statistics.h"
@@ -109,13 +110,16 @@ openvdb::FloatGrid::Ptr filtered(const Measured& measured, const ReconstructOpti
 void requirePlace(const ReconstructionGrid& grid, const ProjectionGeometry& geometry) {
     constexpr double kMost = 1e9;  // pixels; or their part
     const double pixel = geometry.views.front().column.length();
-    const double away = (grid.center - geometry.views.front().origin).length() + grid.resolution() * grid.spacing;
-    if (grid.spacing > pixel / kMost && grid.spacing < pixel * kMost && away < pixel * kMost * kMost) return;
-    InvalidArgument error("spacing " + brief(grid.spacing) +
-                          ": must be more than a billionth, and less than a billion " + "of the detector's pixels (" +
-                          brief(pixel) + "), and the grid where these can see it");
-    error.subject = "spacing";
-    throw error;
+    const Vec3 size = grid.size();
+    const double away = (grid.center - geometry.views.front().origin).length() + std::max({size.x, size.y, size.z});
+    for (int axis = 0; axis < 3; ++axis) {
+        const double edge = grid.spacing[axis];
+        if (edge > pixel / kMost && edge < pixel * kMost && away < pixel * kMost * kMost) continue;
+        InvalidArgument error("spacing " + brief(edge) + ": must be more than a billionth, and less than a billion " +
+                              "of the detector's pixels (" + brief(pixel) + "), and the grid where these can see it");
+        error.subject = "spacing";
+        throw error;
+    }
 }
 
 int viewsTogether(const ReconstructOptions& options, int views) {
@@ -152,6 +156,8 @@ void iterate(const Measured& measured, const ReconstructOptions& options, const 
         requireRoom(grid, options);
         initial = continuedObject(*measured.truncation, scan.geometry, grid, {given.get(), result.grid});
     }
+    if (const auto beside = findRaysBeside(scan.projections, scan.geometry, grid))
+        result.warnings.push_back({Kind::raysBeside, beside->warning()});
     SartResult iterated =
         sart(scan.projections, scan.geometry, grid, sartOptions, {initial, options.volumes.reference}, progress);
     result.volume =
@@ -172,28 +178,28 @@ double rmsOf(const Reconstruction& result, const openvdb::FloatGrid* reference) 
                  : compareGrids(*result.volume, *reference).rmse;
 }
 
-std::optional<ReconstructionWarning> voxelSizeWarning(const ProjectionGeometry& geometry, double spacing) {
+/// @param edge the shortest of a voxel
+std::optional<ReconstructionWarning> voxelSizeWarning(const ProjectionGeometry& geometry, double edge) {
     constexpr double kApart = 4;  // as a factor
     double pixel = 0;
     try {
-        pixel = coveringGrid(geometry).spacing;
+        pixel = coveringGrid(geometry).edge();
     } catch (const InvalidArgument&) {
         return {};  // no axis to see them at
     }
-    if (spacing <= kApart * pixel && spacing >= pixel / kApart) return {};
+    if (edge <= kApart * pixel && edge >= pixel / kApart) return {};
     return ReconstructionWarning{Kind::voxelSize,
-                                 "voxels are " + brief(spacing / pixel) +
+                                 "voxels are " + brief(edge / pixel) +
                                      " times as large as the detector's pixels, seen at the axis; are voxels, pixels "
                                      "and the geometry in the same unit (mm, cm)?"};
 }
 
-std::optional<ReconstructionWarning> opaqueVoxelWarning(const openvdb::FloatGrid& volume, double spacing) {
+std::optional<ReconstructionWarning> opaqueVoxelWarning(const openvdb::FloatGrid& volume, double edge) {
     constexpr double kOpaque = 4;  // optical depth of a voxel: no scan has one that stops 98 % of the rays
     const ValueRange range = valueRange(volume);
-    if (range.max.empty() || !(range.max[0] * spacing > kOpaque)) return {};
+    if (range.max.empty() || !(range.max[0] * edge > kOpaque)) return {};
     return ReconstructionWarning{
-        Kind::opaqueVoxel, "a single voxel would stop up to " +
-                               brief(100 * (1 - std::exp(-range.max[0] * spacing)), 3) +
+        Kind::opaqueVoxel, "a single voxel would stop up to " + brief(100 * (1 - std::exp(-range.max[0] * edge)), 3) +
                                " % of the rays: densities as large as " + brief(range.max[0]) +
                                " per world unit suggest that lengths were given in the wrong unit (mm, cm), or that "
                                "the input does not hold line integrals"};
@@ -214,8 +220,8 @@ void requireFinite(const openvdb::FloatGrid& volume) {
 }
 
 void addWarnings(const ProjectionGeometry& geometry, Reconstruction& result) {
-    for (const auto& warning :
-         {voxelSizeWarning(geometry, result.grid.spacing), opaqueVoxelWarning(*result.volume, result.grid.spacing)})
+    for (const auto& warning : {voxelSizeWarning(geometry, result.grid.shortestEdge()),
+                                opaqueVoxelWarning(*result.volume, result.grid.shortestEdge())})
         if (warning) result.warnings.push_back(*warning);
     if (2 * std::size_t(result.viewsSeeing) < geometry.views.size())
         result.warnings.push_back({Kind::fewViews, "the volume falls onto the detector in " +

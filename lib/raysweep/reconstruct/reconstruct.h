@@ -47,6 +47,7 @@ struct ReconstructionWarning {
         saturation,   ///< filtered backprojection takes saturated values as if they were measured
         shortScan,    ///< see scanWarning
         truncation,   ///< the object is wider than the detector, see Truncation
+        raysBeside,   ///< iterative methods: the object is larger than the grid, see RaysBeside
         voxelSize,    ///< far from what the detector resolves
         opaqueVoxel,  ///< a single voxel stops nearly all of a ray
         fewViews,     ///< the grid falls onto the detector in less than half of the views

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <sstream>
 #include <string>
 
@@ -101,28 +102,51 @@ Vec3 snapped(const ReconstructionGrid& grid, const openvdb::FloatGrid& frame) {
     return grid.center + Vec3(place.x(), place.y(), place.z()) - first;
 }
 
-/// What is reconstructed has cubic voxels.
-void requireCubes(const openvdb::FloatGrid& frame) {
+/// True if the axes of a volume's voxels are the world's.
+bool isUpright(const openvdb::FloatGrid& volume) {
+    constexpr double kSame = 1e-4;  // relative
+    const openvdb::Vec3d edges = volume.voxelSize(), origin = volume.indexToWorld(openvdb::Vec3d(0.0));
+    for (int axis = 0; axis < 3; ++axis) {
+        openvdb::Vec3d step(0.0);
+        step[axis] = 1;
+        if (!(volume.indexToWorld(step)[axis] - origin[axis] > (1 - kSame * kSame) * edges[axis])) return false;
+    }
+    return true;
+}
+
+/// Edges of the voxels of a volume that says where to reconstruct. Those that do not lie along the world's axes must be
+/// cubes.
+Vec3 edgesOf(const openvdb::FloatGrid& frame) {
     constexpr double kSame = 1e-4;  // relative
     const openvdb::Vec3d edges = frame.voxelSize();
-    if (edges[openvdb::math::MaxIndex(edges)] <= (1 + kSame) * edges[openvdb::math::MinIndex(edges)]) return;
-    std::ostringstream message;
-    message << "the voxels of the initial or reference volume are no cubes, but " << edges[0] << " x " << edges[1]
-            << " x " << edges[2] << ", so they do not say where to reconstruct";
-    throw InvalidArgument(message.str(), Remedy::giveGrid);
+    if (edges[openvdb::math::MaxIndex(edges)] <= (1 + kSame) * edges[openvdb::math::MinIndex(edges)])
+        return Vec3(edges[0]);
+    return isUpright(frame) ? Vec3(edges[0], edges[1], edges[2]) : Vec3(0);
+}
+
+void requireEdges(const Vec3& edges) {
+    if (edges.x > 0) return;
+    throw InvalidArgument(
+        "the voxels of the initial or reference volume are no cubes and do not lie along the world's axes, so they do "
+        "not say where to reconstruct",
+        Remedy::giveGrid);
 }
 
 /// @param asked what of the grid is not the frame's
 ReconstructionGrid gridOf(const openvdb::FloatGrid& frame, const GridOptions& asked) {
-    if (!asked.dims || !asked.spacing) requireCubes(frame);
+    const Vec3 edges = edgesOf(frame);
+    if (!asked.dims || !asked.spacing) requireEdges(edges);
     const openvdb::Coord dims = frame.evalActiveVoxelBoundingBox().dim();
-    return {Index3(dims.x(), dims.y(), dims.z()), middleOf(frame), frame.voxelSize()[0]};
+    return {Index3(dims.x(), dims.y(), dims.z()), middleOf(frame), edges};
 }
 
 }  // namespace
 
 openvdb::math::Transform::Ptr ReconstructionGrid::transform() const {
-    const auto transform = openvdb::math::Transform::createLinearTransform(spacing);
+    using openvdb::math::Transform;
+    const auto transform = hasCubes() ? Transform::createLinearTransform(edge())
+                                      : std::make_shared<Transform>(std::make_shared<openvdb::math::ScaleMap>(
+                                            openvdb::Vec3d(spacing.x, spacing.y, spacing.z)));
     const Vec3 first = voxel(0, 0, 0);
     transform->postTranslate(openvdb::Vec3d(first.x, first.y, first.z));
     return transform;
@@ -133,8 +157,16 @@ void ReconstructionGrid::validate() const {
         const std::string number = "[" + std::to_string(axis) + "]";
         requireField(dims[axis] >= 1, "reconstruction grid dims" + number, dims[axis], "at least 1");
         requireField(std::isfinite(center[axis]), "reconstruction grid center" + number, center[axis], "finite");
+        requireField(spacing[axis] > 0 && std::isfinite(spacing[axis]), "reconstruction grid spacing" + number,
+                     spacing[axis], "positive and finite");
     }
-    requireField(spacing > 0 && std::isfinite(spacing), "reconstruction grid spacing", spacing, "positive and finite");
+}
+
+void ReconstructionGrid::requireCubes() const {
+    if (hasCubes()) return;
+    std::ostringstream message;
+    message << "reconstruction grid spacing " << spacing << ": edges must be the same";
+    throw InvalidArgument(message.str());
 }
 
 std::optional<double> edgeOfCubes(const openvdb::math::Transform& transform) {
@@ -155,13 +187,13 @@ ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry) {
     const OrbitFit orbit = fitOrbit(geometry);
     const Seen seen = seenOf(geometry, orbit);
     ReconstructionGrid grid;
-    grid.spacing = seen.pixel;
+    grid.spacing = Vec3(seen.pixel);
     grid.center = seenMiddle(seen, orbit);
     for (int axis = 0; axis < 3; ++axis) {
         // The box about an upright or tilted cylinder.
         const double along = std::abs(orbit.axis[axis]), aside = std::sqrt(std::max(0.0, 1 - along * along));
         const double edge = 2 * seen.radius * aside + (seen.high - seen.low) * along;
-        const double voxels = std::ceil(edge / grid.spacing - 1e-6);
+        const double voxels = std::ceil(edge / seen.pixel - 1e-6);
         if (!(voxels <= kMostVoxelsAlong))
             throw InvalidArgument("the detector sees " + std::to_string(voxels) + " voxels along axis " +
                                   std::to_string(axis) + "; name the size of the grid and its spacing");
@@ -178,7 +210,9 @@ void GridOptions::validate() const {
     }
     for (int axis = 0; center && axis < 3; ++axis)
         requireField(std::isfinite((*center)[axis]), "center[" + std::to_string(axis) + "]", (*center)[axis], "finite");
-    if (spacing) requireField(*spacing > 0 && std::isfinite(*spacing), "spacing", *spacing, "positive and finite");
+    for (int axis = 0; spacing && axis < 3; ++axis)
+        requireField((*spacing)[axis] > 0 && std::isfinite((*spacing)[axis]), "spacing", (*spacing)[axis],
+                     "positive and finite");
 }
 
 ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const GridOptions& options,
@@ -189,20 +223,21 @@ ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const 
         grid = gridOf(*frame, options);
     else if (!options.dims || !options.spacing)
         grid = turnedGrid(geometry);
-    const Vec3 extent = Vec3(grid.dims.x, grid.dims.y, grid.dims.z) * grid.spacing;
+    const Vec3 extent = grid.size();
     if (options.spacing) grid.spacing = *options.spacing;
     if (options.dims) {
         grid.dims = *options.dims;
     } else if (options.spacing) {
         for (int axis = 0; axis < 3; ++axis)
-            grid.dims[axis] = int(std::clamp(std::round(extent[axis] / grid.spacing), 1.0, double(kMostVoxelsAlong)));
+            grid.dims[axis] =
+                int(std::clamp(std::round(extent[axis] / grid.spacing[axis]), 1.0, double(kMostVoxelsAlong)));
     }
     if (options.center)
         grid.center = *options.center;
     else if (frame)
         grid.center = snapped(grid, *frame);
     else if (options.dims && options.spacing)
-        grid.center = middleSeen(geometry, grid.spacing);
+        grid.center = middleSeen(geometry, grid.shortestEdge());
     return grid;
 }
 

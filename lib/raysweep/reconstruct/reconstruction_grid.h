@@ -13,11 +13,11 @@ namespace raysweep {
 
 constexpr int kMostVoxelsAlong = 1 << 14;  ///< an axis: what is more was hardly meant
 
-/// Cubic voxels along the world's axes; the first has the index (0,0,0).
+/// Voxels along the world's axes; the first has the index (0,0,0).
 struct ReconstructionGrid {
-    Index3 dims{0};      ///< voxels along x, y, z, > 0
-    Vec3 center{0};      ///< middle of the grid, world units
-    double spacing = 0;  ///< edge of a voxel, world units, > 0
+    Index3 dims{0};   ///< voxels along x, y, z, > 0
+    Vec3 center{0};   ///< middle of the grid, world units
+    Vec3 spacing{0};  ///< edges of a voxel along x, y, z, world units, > 0; where they are the same it is a cube
 
     /// Centre of voxel (i,j,k); need not be whole numbers.
     Vec3 voxel(double i, double j, double k) const {
@@ -26,9 +26,17 @@ struct ReconstructionGrid {
 
     /// All of its voxels, world units.
     Box3 box() const {
-        const Vec3 half = Vec3(dims.x, dims.y, dims.z) * (0.5 * spacing);
+        const Vec3 half = 0.5 * size();
         return Box3(center - half, center + half);
     }
+
+    /// From its first voxel's outer faces to those of the last, world units.
+    Vec3 size() const { return Vec3(dims.x, dims.y, dims.z) * spacing; }
+
+    /// Edge of voxels that are cubes, world units.
+    double edge() const { return spacing.x; }
+    bool hasCubes() const { return spacing == Vec3(spacing.x); }
+    double shortestEdge() const { return std::min({spacing.x, spacing.y, spacing.z}); }
 
     /// Voxels along the longest edge.
     int resolution() const { return std::max({dims.x, dims.y, dims.z}); }
@@ -38,6 +46,9 @@ struct ReconstructionGrid {
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;
+
+    /// For what knows no other voxels. @throw InvalidArgument if they are no cubes.
+    void requireCubes() const;
 };
 
 /// The edge of voxels that are cubes along the world's axes; nothing if they are not.
@@ -51,9 +62,9 @@ ReconstructionGrid coveringGrid(const ProjectionGeometry& geometry);
 
 /// What is asked of a grid; see reconstructionGrid for what is not.
 struct GridOptions {
-    std::optional<Index3> dims;     ///< voxels along x, y, z, 1 to kMostVoxelsAlong
-    std::optional<double> spacing;  ///< edge of a voxel, world units, > 0
-    std::optional<Vec3> center;     ///< middle of the grid, world units
+    std::optional<Index3> dims;   ///< voxels along x, y, z, 1 to kMostVoxelsAlong
+    std::optional<Vec3> spacing;  ///< edges of a voxel along x, y, z, world units, > 0
+    std::optional<Vec3> center;   ///< middle of the grid, world units
 
     /// @throw InvalidArgument naming field, value and bound.
     void validate() const;
@@ -66,7 +77,8 @@ struct GridOptions {
 /// frame.
 /// @param frame a volume with active voxels; may be null.
 /// @throw InvalidArgument as GridOptions::validate and coveringGrid; if what the detector sees must be known, but the
-/// views are not those of a turn; for a frame of voxels that are no cubes, unless `dims` and `spacing` are given.
+/// views are not those of a turn; for a frame of voxels that are no cubes and do not lie along the world's axes, unless
+/// `dims` and `spacing` are given.
 ReconstructionGrid reconstructionGrid(const ProjectionGeometry& geometry, const GridOptions& options,
                                       const openvdb::FloatGrid* frame = nullptr);
 

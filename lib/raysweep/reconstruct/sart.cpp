@@ -53,8 +53,7 @@ ResidualSums residual(ViewRays& rays, const Projections& projections, int number
             ResidualSums sum;
             float *values = rays.values.column(int(u)), *weights = rays.weights.column(int(u));
             for (int v = 0; v < view.height; ++v) {
-                const int row = view.flipped ? view.height - 1 - v : v;
-                const std::size_t pixel = std::size_t(row) * std::size_t(view.width) + u;
+                const std::size_t pixel = view.pixel(int(u), v);
                 const float p = measured[pixel];
                 const float difference = p - values[v];
                 const bool used = weights[v] > leastLength && !std::isnan(p);

@@ -18,11 +18,11 @@ using Leaf = openvdb::FloatTree::LeafNodeType;
 
 Json describe(const ReconstructionGrid& grid) {
     const Vec3 origin = grid.voxel(0, 0, 0);
-    const double edge = grid.spacing;
+    const Vec3& edges = grid.spacing;
     return {{"dims", Json::array({grid.dims.x, grid.dims.y, grid.dims.z})},
             {"origin", Json::array({origin.x, origin.y, origin.z})},
             {"world_from_voxel",
-             Json::array({Json::array({edge, 0, 0}), Json::array({0, edge, 0}), Json::array({0, 0, edge})})}};
+             Json::array({Json::array({edges.x, 0, 0}), Json::array({0, edges.y, 0}), Json::array({0, 0, edges.z})})}};
 }
 
 Json describe(const ProjectionGeometry& geometry) {

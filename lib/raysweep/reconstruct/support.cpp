@@ -39,6 +39,14 @@ class SeenPixels {
     std::vector<std::uint32_t> sums_;
 };
 
+/// Pixels as the detector counts them.
+PixelBox onDetector(PixelBox pixels, const JosephView& view) {
+    if (view.flipped)
+        pixels = {pixels.lowColumn, pixels.highColumn, view.height - pixels.highRow, view.height - pixels.lowRow};
+    if (view.onSide) pixels = {pixels.lowRow, pixels.highRow, pixels.lowColumn, pixels.highColumn};
+    return pixels;
+}
+
 }  // namespace
 
 std::vector<ColumnRange> visualHull(const Projections& projections, const ProjectionGeometry& geometry,
@@ -60,11 +68,7 @@ std::vector<ColumnRange> visualHull(const Projections& projections, const Projec
                                   std::min(box.low.y + kBlockEdge, lattice.dims.y),
                                   std::min(box.low.z + kColumnChunk, lattice.dims.z));
                 if (!isOnDetector(box, view)) return;
-                PixelBox pixels = footprintOf(box, view);
-                if (view.flipped)
-                    pixels = {pixels.lowColumn, pixels.highColumn, view.height - pixels.highRow,
-                              view.height - pixels.lowRow};
-                empty[i] = seen.none(pixels);
+                empty[i] = seen.none(onDetector(footprintOf(box, view), view));
             },
             64);
     }

@@ -41,9 +41,25 @@ void copyWithHalo(const ColumnVolume& volume, std::size_t block, HaloBlock& to) 
 /// Differences below this part of the largest value do not matter: keeps the length of a gradient away from 0.
 constexpr float kSmallest = 1e-4f;
 
+/// What differences count.
+struct DifferenceWeights {
+    float x, y, z;  ///< of the square of one along each axis: 1 / edge² of a voxel, relative to the shortest edge
+    float smooth;   ///< square of a difference that does not matter
+};
+
+DifferenceWeights differenceWeights(const ColumnLattice& lattice, float smooth) {
+    double squares[3];  // of edges
+    for (int axis = 0; axis < 3; ++axis) {
+        const double* edge = lattice.worldFromVoxel[axis];
+        squares[axis] = edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2];
+    }
+    const double shortest = std::min({squares[0], squares[1], squares[2]});
+    return {float(shortest / squares[0]), float(shortest / squares[1]), float(shortest / squares[2]), smooth};
+}
+
 /// Derivative of the total variation (docs/ct.md, eq. 6) by each voxel of a block.
-/// @param smooth square of a difference that does not matter
-void gradientOf(HaloBlock& f, HaloBlock& lengths, int count, float smooth, float* gradient) {
+void gradientOf(HaloBlock& f, HaloBlock& lengths, int count, const DifferenceWeights& w, float* gradient) {
+    const float all = w.x + w.y + w.z;
     lengths.length = f.length;
     lengths.values.resize(f.values.size());
     for (int x = 0; x <= kBlockEdge; ++x)
@@ -52,7 +68,7 @@ void gradientOf(HaloBlock& f, HaloBlock& lengths, int count, float smooth, float
             float* length = lengths.column(x, y);
             for (int z = 0; z <= count; ++z) {
                 const float dx = here[z] - left[z], dy = here[z] - before[z], dz = here[z] - here[z - 1];
-                length[z] = std::sqrt(dx * dx + dy * dy + dz * dz + smooth);
+                length[z] = std::sqrt(w.x * dx * dx + w.y * dy * dy + w.z * dz * dz + w.smooth);
             }
         }
     for (int x = 0; x < kBlockEdge; ++x)
@@ -62,9 +78,10 @@ void gradientOf(HaloBlock& f, HaloBlock& lengths, int count, float smooth, float
             const float *length = lengths.column(x, y), *rightLength = lengths.column(x + 1, y),
                         *behindLength = lengths.column(x, y + 1);
             for (int z = 0; z < count; ++z)
-                gradient[z] = (3 * here[z] - left[z] - before[z] - here[z - 1]) / length[z] -
-                              (right[z] - here[z]) / rightLength[z] - (behind[z] - here[z]) / behindLength[z] -
-                              (here[z + 1] - here[z]) / length[z + 1];
+                gradient[z] = (all * here[z] - w.x * left[z] - w.y * before[z] - w.z * here[z - 1]) / length[z] -
+                              w.x * (right[z] - here[z]) / rightLength[z] -
+                              w.y * (behind[z] - here[z]) / behindLength[z] -
+                              w.z * (here[z + 1] - here[z]) / length[z + 1];
         }
 }
 
@@ -115,12 +132,13 @@ double changeLength(const ColumnVolume& a, const ColumnVolume& b) {
 void lowerTotalVariation(ColumnVolume& volume, ColumnVolume& scratch, const VariationSteps& how) {
     const float least = kSmallest * largestIn(volume), smooth = least * least;
     if (!(smooth > 0)) return;
+    const DifferenceWeights weights = differenceWeights(volume.lattice(), smooth);
     for (int step = 0; step < how.steps; ++step) {
         parallelFor(volume.blockCount(), [&](std::size_t block) {
             if (volume.voxelsOf(block) == 0) return;
             thread_local HaloBlock values, lengths;
             copyWithHalo(volume, block, values);
-            gradientOf(values, lengths, volume.ranges()[block].length(), smooth, scratch.block(block));
+            gradientOf(values, lengths, volume.ranges()[block].length(), weights, scratch.block(block));
         });
         const double length = std::sqrt(sumOverVoxels(scratch, [&](std::size_t block, std::size_t i) {
             return double(scratch.block(block)[i]) * scratch.block(block)[i];

@@ -3,6 +3,8 @@
 /// differences to the voxel before along each axis (docs/ct.md, eq. 6),
 ///
 ///     TV(x) = Σ_s,t,u √((x[s,t,u] - x[s-1,t,u])² + (x[s,t,u] - x[s,t-1,u])² + (x[s,t,u] - x[s,t,u-1])²)       (6)
+///
+/// where voxels are no cubes, each difference over the voxel's edge along its axis.
 #pragma once
 
 #include "raysweep/projector/column_volume.h"

@@ -45,15 +45,16 @@ ReconstructionGrid widened(const Truncation& t, const ReconstructionGrid& grid) 
     ReconstructionGrid wide = grid;
     for (int axis = 0; axis < 3; ++axis) {
         const double along = std::abs(t.orbit.axis[axis]), across = std::sqrt(std::max(0.0, 1 - along * along));
-        const double half = 0.5 * grid.dims[axis] * grid.spacing, away = grid.center[axis] - t.orbit.center[axis];
+        const double edge = grid.spacing[axis], half = 0.5 * grid.dims[axis] * edge;
+        const double away = grid.center[axis] - t.orbit.center[axis];
         // What is along the axis stays as it is.
         const auto voxels = [&](double side) {
-            const double missing = across * (t.reach + 2 * grid.spacing) - (half + side * away);
-            return across < 1e-6 ? 0 : std::max(0, int(std::ceil(missing / grid.spacing)));
+            const double missing = across * (t.reach + 2 * edge) - (half + side * away);
+            return across < 1e-6 ? 0 : std::max(0, int(std::ceil(missing / edge)));
         };
         const int low = voxels(-1), high = voxels(1);
         wide.dims[axis] += low + high;
-        wide.center[axis] += 0.5 * (high - low) * grid.spacing;
+        wide.center[axis] += 0.5 * (high - low) * edge;
     }
     return wide;
 }

@@ -38,7 +38,7 @@ Case smallCase(BeamShape beam) {
     c.geometry = circularGeometry(orbit);
     c.projections = exactProjections({ellipsoid(1, Vec3(1, 2, 0), Vec3(6, 5, 7))}, c.geometry);
     c.grid.dims = Index3(20, 18, 11);
-    c.grid.spacing = 1;
+    c.grid.spacing = Vec3(1);
     return c;
 }
 
@@ -80,7 +80,7 @@ TEST(Fbp, AllInstructionSetsAgree) {
         for (const double spacing : {0.3, 1.0, 1.9, 4.0})
             for (const bool leaning : {false, true}) {
                 Case c = smallCase(beam);
-                c.grid.spacing = spacing;
+                c.grid.spacing = Vec3(spacing);
                 c.grid.dims = Index3(9, 10, 21);
                 for (XrayView& view : c.geometry.views)
                     for (Vec3* v : {&view.source, &view.direction, &view.origin, &view.column, &view.row})
@@ -119,7 +119,7 @@ TEST(Fbp, WhatItCannotWorkWithIsRefusedByName) {
         c.projections.width = 39;
         EXPECT_NE(messageOf(c).find("39"), std::string::npos) << messageOf(c);
         c = smallCase(beam);
-        c.grid.spacing = 0;
+        c.grid.spacing = Vec3(0);
         EXPECT_NE(messageOf(c).find("spacing"), std::string::npos) << messageOf(c);
         c = smallCase(beam);
         FbpOptions options;
@@ -127,7 +127,7 @@ TEST(Fbp, WhatItCannotWorkWithIsRefusedByName) {
         EXPECT_THROW(filteredBackprojection(c.projections, c.geometry, c.grid, options), InvalidArgument);
     }
     Case c = smallCase(BeamShape::cone);
-    c.grid.spacing = 10;
+    c.grid.spacing = Vec3(10);
     EXPECT_NE(messageOf(c).find("source"), std::string::npos) << messageOf(c);
 }
 
@@ -187,7 +187,7 @@ Case displacedCase(BeamShape beam, double near, double arc = 360) {
     c.geometry = circularGeometry(orbit);
     c.projections = exactProjections({ellipsoid(1, Vec3(0), Vec3(12))}, c.geometry);
     c.grid.dims = Index3(24, 24, 3);
-    c.grid.spacing = 1;
+    c.grid.spacing = Vec3(1);
     return c;
 }
 

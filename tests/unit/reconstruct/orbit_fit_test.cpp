@@ -157,14 +157,14 @@ TEST(ReconstructionGrid, CoversWhatTheDetectorSees) {
     const ReconstructionGrid flat = coveringGrid(circularGeometry(orbit));
     EXPECT_EQ(flat.dims, Index3(100, 100, 40));
     EXPECT_NEAR((flat.center - orbit.center).length(), 0, 1e-12);
-    EXPECT_NEAR(flat.spacing, 0.5, 1e-12);
+    EXPECT_NEAR(flat.edge(), 0.5, 1e-12);
 
     orbit.beam = BeamShape::cone;
     orbit.sourceToAxis = 100;
     orbit.sourceToDetector = 200;
     orbit.arc = 360;
     const ReconstructionGrid cone = coveringGrid(circularGeometry(orbit));
-    EXPECT_NEAR(cone.spacing, 0.25, 1e-12) << "magnified twice";
+    EXPECT_NEAR(cone.edge(), 0.25, 1e-12) << "magnified twice";
     // The ray at the side leaves the axis aside at 100 sin(atan(25/200)), 12.4 units.
     EXPECT_EQ(cone.dims, Index3(100, 100, 40));
     EXPECT_NEAR((cone.center - orbit.center).length(), 0, 1e-12);
@@ -178,7 +178,7 @@ TEST(ReconstructionGrid, TransformPutsItsCentreWhereItWasAskedFor) {
     ReconstructionGrid grid;
     grid.dims = Index3(4, 5, 6);
     grid.center = Vec3(1, -2, 3);
-    grid.spacing = 0.5;
+    grid.spacing = Vec3(0.5);
     const openvdb::Vec3d first = grid.transform()->indexToWorld(openvdb::Vec3d(0, 0, 0));
     EXPECT_NEAR((Vec3(first.x(), first.y(), first.z()) - Vec3(0.25, -3, 1.75)).length(), 0, 1e-12);
     EXPECT_NEAR((grid.voxel(1.5, 2, 2.5) - grid.center).length(), 0, 1e-12);

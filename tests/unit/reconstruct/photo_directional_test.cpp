@@ -24,7 +24,7 @@ PhotoLevel randomLevel(float slope) {
     std::uniform_real_distribution<float> uniform(0, 1);
     PhotoLevel level;
     level.grid.dims = Index3(kVoxels);
-    level.grid.spacing = 0.5;
+    level.grid.spacing = Vec3(0.5);
     level.grid.center = Vec3(1, 2, 3);
     VoxelMask all;
     all.fill(~std::uint64_t(0));
@@ -64,7 +64,7 @@ std::vector<CompositeRay> raysOf(const PhotoCamera& camera, const PhotoLevel& le
     std::vector<CompositeRay> rays;
     for (int n = 0; n < camera.width * camera.height; ++n) {
         Ray ray = pixelRay(camera, n % camera.width + 0.5, n / camera.width + 0.5);
-        ray.origin = (ray.origin - level.grid.voxel(0, 0, 0)) / level.grid.spacing;
+        ray.origin = (ray.origin - level.grid.voxel(0, 0, 0)) / level.grid.edge();
         rays.push_back(compositeRay(level.layout, ray, 2));
     }
     std::stable_sort(rays.begin(), rays.end(), [](const auto& a, const auto& b) { return a.axis < b.axis; });

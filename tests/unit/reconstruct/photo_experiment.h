@@ -34,7 +34,7 @@ inline PhotoExperiment photoExperiment(const PhotoExperimentOptions& options) {
     triangles.count = options.count;
     triangles.thickness = 1.5;
     made.volume = makeTriangles(triangles);
-    made.grid = {Index3(options.size), Vec3(0), 2.0 / options.size};
+    made.grid = {Index3(options.size), Vec3(0), Vec3(2.0 / options.size)};
     made.shading = {1 - options.diffuse, options.diffuse, Vec3(0.5, 0.7, -0.5).normalized()};
     RigOptions rig;
     rig.orbit = options.orbit;

@@ -249,7 +249,7 @@ TEST(PhotoHull, HoldsTheBall) {
     const std::vector<Photograph> photographs = photographsOf(ball, 12, 64);
     ReconstructionGrid grid;
     grid.dims = Index3(32);
-    grid.spacing = 2.0 / 32;
+    grid.spacing = Vec3(2.0 / 32);
     const CompositeLayout layout = compositeLayout(grid.dims, photoHull(photographs, grid, 0.001f));
     double inside = 0;
     for (int x = 0; x < 32; ++x)
@@ -258,10 +258,10 @@ TEST(PhotoHull, HoldsTheBall) {
                 const std::size_t i = layout.voxel({x, y, z});
                 const bool kept = isSet(layout.masks[i >> 9], int(i >> 6 & 7), int(i >> 3 & 7), int(i & 7));
                 const double distance = (grid.voxel(x, y, z) - ball.center).length();
-                EXPECT_TRUE(kept || distance > ball.radius + grid.spacing) << distance;
+                EXPECT_TRUE(kept || distance > ball.radius + grid.edge()) << distance;
                 inside += kept;
             }
-    const double volume = 4.0 / 3 * kPi * std::pow(ball.radius / grid.spacing, 3);
+    const double volume = 4.0 / 3 * kPi * std::pow(ball.radius / grid.edge(), 3);
     EXPECT_LT(inside, 2 * volume);
 }
 

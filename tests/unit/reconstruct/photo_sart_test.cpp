@@ -185,7 +185,7 @@ TEST(PhotoSart, RefusesWhatItCannotUse) {
     EXPECT_THROW(photoSart(experiment.photographs, experiment.grid, options), InvalidArgument);
     EXPECT_THROW(photoSart({}, experiment.grid, {}), InvalidArgument);
     ReconstructionGrid aside = experiment.grid;
-    aside.center.x += 0.3 * aside.spacing;
+    aside.center.x += 0.3 * aside.edge();
     EXPECT_THROW(photoSart(experiment.photographs, aside, {}, {nullptr, &experiment.volume}), InvalidArgument);
     PhotoExperiment nothing = photoExperiment({});
     for (Photograph& photograph : nothing.photographs)

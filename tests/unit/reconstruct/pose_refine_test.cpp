@@ -16,7 +16,7 @@ namespace {
 /// A lump with colours that go up and down, in 16 voxels of 1/8.
 PhotoLevel lump() {
     PhotoLevel level;
-    level.grid = {Index3(16), Vec3(0.1, 0, -0.1), 0.125};
+    level.grid = {Index3(16), Vec3(0.1, 0, -0.1), Vec3(0.125)};
     std::vector<MaskedBrick> bricks;
     for (int n = 0; n < 8; ++n) {
         bricks.push_back({Index3(n & 4 ? 8 : 0, n & 2 ? 8 : 0, n & 1 ? 8 : 0), {}});
@@ -49,7 +49,7 @@ Photograph seenFrom(const PhotoLevel& level, const Vec3& position, int size, Cam
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
             Ray ray = pixelRay(photograph.camera, x + 0.5, y + 0.5);
-            ray.origin = (ray.origin - level.grid.voxel(0, 0, 0)) / level.grid.spacing;
+            ray.origin = (ray.origin - level.grid.voxel(0, 0, 0)) / level.grid.edge();
             const CompositeRay line = compositeRay(level.layout, ray, 1);
             RayColor seen;
             composite(level.layout, level.voxels.data(), &line, 1, &seen);

@@ -4,6 +4,7 @@
 
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/phantoms/exact_projections.h"
+#include "raysweep/reconstruct/rays_beside.h"
 #include "raysweep/scan/line_integrals.h"
 #include "raysweep/volume/statistics.h"
 
@@ -65,7 +66,7 @@ ReconstructOptions onItsVoxels(Method method) {
     ReconstructOptions options;
     options.method = method;
     options.grid.dims = Index3(32, 32, 16);
-    options.grid.spacing = 1;
+    options.grid.spacing = Vec3(1);
     options.sart.iterations = 2;
     return options;
 }
@@ -134,7 +135,7 @@ TEST(Reconstruct, MakesWhatItsPartsMake) {
     ReconstructOptions options = onItsVoxels(Method::osSart);
     options.subset = 5;
     options.sart.lower = 0;
-    const ReconstructionGrid grid{Index3(32, 32, 16), Vec3(0), 1};
+    const ReconstructionGrid grid{Index3(32, 32, 16), Vec3(0), Vec3(1)};
     SartOptions together = options.sart;
     together.viewsPerUpdate = 5;
     const auto direct = filteredBackprojection(scan.projections, scan.geometry, grid, options.fbp);
@@ -184,7 +185,7 @@ TEST(Reconstruct, WhereTheVolumeLies) {
     EXPECT_EQ(all.spacing, seen.spacing);
 
     GridOptions options;
-    options.spacing = 2 * seen.spacing;
+    options.spacing = seen.spacing * 2.0;
     EXPECT_EQ(reconstructionGrid(geometry, options).dims.x, (seen.dims.x + 1) / 2) << "the extent stays";
     options.dims = Index3(4, 5, 6);
     options.center = Vec3(1, 2, 3);
@@ -208,7 +209,7 @@ TEST(Reconstruct, WhereTheVolumeLies) {
         GridOptions few;
         few.dims = Index3(6, 6, 4);
         EXPECT_TRUE(isCentered(few, 1e-12));
-        few.spacing = 0.5;
+        few.spacing = Vec3(0.5);
         EXPECT_TRUE(isCentered(few, 1e-12));
         orbit.views = 2;  // of a cone no turn, but the rays through the detector's middle meet
         orbit.arc = 90;
@@ -229,20 +230,27 @@ TEST(Reconstruct, WhereTheVolumeLies) {
     const openvdb::Vec3d index = box->worldToIndex(openvdb::Vec3d(first.x, first.y, first.z));
     EXPECT_LT((index - openvdb::Coord::round(index).asVec3d()).length(), 1e-9);
 
-    box->setTransform(openvdb::math::Transform::createLinearTransform(
-        openvdb::math::Mat4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1)));
+    const auto stretched = openvdb::math::Transform::createLinearTransform(
+        openvdb::math::Mat4d(1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1));
+    box->setTransform(stretched);
+    const ReconstructionGrid taken = reconstructionGrid(geometry, {}, box.get());
+    EXPECT_EQ(taken.spacing, Vec3(1, 1, 2)) << "a frame's voxels need not be cubes";
+    EXPECT_LT((taken.center - middleOf(*box)).length(), 1e-9);
+    const openvdb::Vec3d last = taken.transform()->indexToWorld(openvdb::Vec3d(1, 2, 3));
+    EXPECT_LT((Vec3(last.x(), last.y(), last.z()) - taken.voxel(1, 2, 3)).length(), 1e-12);
+    stretched->postRotate(0.1, openvdb::math::X_AXIS);  // but then must lie along the world's axes
     for (const bool both : {false, true}) {
         GridOptions flat;
         flat.dims = Index3(5, 5, 5);
-        if (both) flat.spacing = 1;
+        if (both) flat.spacing = Vec3(1);
         const auto call = [&] { reconstructionGrid(geometry, flat, box.get()); };
         if (both)
             EXPECT_NO_THROW(call());
         else
-            expectError<InvalidArgument>(call, "are no cubes, but 1 x 1 x 2");
+            expectError<InvalidArgument>(call, "are no cubes and do not lie along the world's axes");
     }
 
-    options.spacing = 0;
+    options.spacing = Vec3(1, 0, 1);
     expectError<InvalidArgument>([&] { reconstructionGrid(geometry, options); }, "spacing 0: must be positive");
     options.dims = Index3(4, 0, 6);
     expectError<InvalidArgument>([&] { reconstructionGrid(geometry, options); }, "dims[1] 0: must be 1 to 16384");
@@ -264,7 +272,7 @@ TEST(Reconstruct, StopsForGoodWhenAskedToOnce) {
 
 TEST(Reconstruct, WhatIsHardlyMeantIsSaid) {
     ReconstructOptions large = onItsVoxels(Method::sart);
-    large.grid.spacing = 10;
+    large.grid.spacing = Vec3(10);
     const Reconstruction coarse = reconstruct(smallScan(), large);
     EXPECT_TRUE(hasWarning(coarse, Kind::voxelSize));
     EXPECT_FALSE(hasWarning(coarse, Kind::emptyVolume));
@@ -290,10 +298,46 @@ TEST(Reconstruct, WhatIsHardlyMeantIsSaid) {
     CircularOrbit half = orbitOf(BeamShape::parallel);
     half.arc = 90;
     EXPECT_TRUE(hasWarning(reconstruct(scanOf(half), onItsVoxels(Method::fbp)), Kind::shortScan));
+    CircularOrbit fan = orbitOf(BeamShape::cone);
+    fan.arc = 180;  // without the angle of the fan
+    EXPECT_TRUE(hasWarning(reconstruct(scanOf(fan), onItsVoxels(Method::fbp)), Kind::shortScan));
+}
+
+// A box of 20x20x10 voxels, in as many or less of them.
+TEST(Reconstruct, ThatTheObjectIsLargerThanTheGridIsSaidWhereItMatters) {
+    const auto isSaid = [](BeamShape beam, Method method, const Index3& dims) {
+        ReconstructOptions options = onItsVoxels(method);
+        options.grid.dims = dims;
+        return hasWarning(reconstruct(scanOf(orbitOf(beam)), options), Kind::raysBeside);
+    };
+    for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone}) {
+        EXPECT_FALSE(isSaid(beam, Method::sart, Index3(20, 20, 16)));
+        EXPECT_FALSE(isSaid(beam, Method::sart, Index3(24, 24, 16)));
+        EXPECT_TRUE(isSaid(beam, Method::sart, Index3(12, 20, 16)));
+        EXPECT_TRUE(isSaid(beam, Method::sirt, Index3(10, 10, 16)));
+        EXPECT_FALSE(isSaid(beam, Method::fbp, Index3(12, 12, 16))) << "needs no more";
+    }
+    EXPECT_FALSE(isSaid(BeamShape::parallel, Method::sart, Index3(20, 20, 4))) << "slices of parallel rays are apart";
+    EXPECT_TRUE(isSaid(BeamShape::cone, Method::sart, Index3(20, 20, 4)));
+}
+
+// By hand: of the rays along x that see a block of 20 by 20, half pass a grid of 9 voxels, which reach 10 of them; of
+// those along y none: a quarter of all. They measure what the others do.
+TEST(Reconstruct, HowMuchRunsBesideTheGridIsCounted) {
+    CircularOrbit orbit = orbitOf(BeamShape::parallel);
+    orbit.views = 2;
+    orbit.arc = 180;
+    const ProjectionGeometry geometry = circularGeometry(orbit);
+    const Projections projections = exactProjections({box(0.1, Vec3(0), Vec3(10, 10, 8))}, geometry);
+    const auto beside = findRaysBeside(projections, geometry, {Index3(20, 9, 16), Vec3(0), Vec3(1)});
+    ASSERT_TRUE(beside);
+    EXPECT_NEAR(beside->share, 0.25, 1e-12);
+    EXPECT_NEAR(beside->mean, 1, 1e-6);
+    EXPECT_FALSE(findRaysBeside(projections, geometry, {Index3(20, 20, 16), Vec3(0), Vec3(1)}));
 }
 
 TEST(Reconstruct, WhatNoMachineHoldsIsRefusedBeforeItIsTried) {
-    const ReconstructionGrid grid{Index3(100, 100, 100), Vec3(0), 1};
+    const ReconstructionGrid grid{Index3(100, 100, 100), Vec3(0), Vec3(1)};
     ReconstructOptions options;
     EXPECT_EQ(leastBytes(grid, options), 4e6 / 16) << "what no view looks past";
     options.sart.support = Support::none;
@@ -302,7 +346,7 @@ TEST(Reconstruct, WhatNoMachineHoldsIsRefusedBeforeItIsTried) {
     options.method = Method::fbp;
     EXPECT_EQ(leastBytes(grid, options), 4e6);
     options.grid.dims = Index3(kMostVoxelsAlong, kMostVoxelsAlong, kMostVoxelsAlong);
-    options.grid.spacing = 1e-3;
+    options.grid.spacing = Vec3(1e-3);
     expectRefused(smallScan(), options, "a volume of 16384x16384x16384 voxels needs");
 }
 

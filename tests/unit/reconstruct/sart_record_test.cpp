@@ -19,7 +19,7 @@ using namespace raysweep;
 
 namespace {
 
-const ReconstructionGrid kGrid{Index3(24, 24, 20), Vec3(0, 0, 0), 1};
+const ReconstructionGrid kGrid{Index3(24, 24, 20), Vec3(0, 0, 0), Vec3(1)};
 
 /// Of a box with holes; one ray was not measured.
 Scan smallScan(BeamShape beam) {
@@ -53,6 +53,21 @@ std::map<std::string, openvdb::FloatGrid::Ptr> gridsOf(const std::string& path) 
 }
 
 }  // namespace
+
+TEST(SartRecord, SaysTheShapeOfVoxels) {
+    const test::TemporaryFolder folder;
+    const Scan scan = smallScan(BeamShape::parallel);
+    SartRecord record;
+    SartOptions options;
+    options.iterations = 1;
+    options.record = &record;
+    const ReconstructionGrid grid{Index3(24, 12, 8), Vec3(0), Vec3(1, 2, 2.5)};
+    sart(scan.projections, scan.geometry, grid, options);
+    writeRecord(folder / "run.json", record, scan);
+    const nlohmann::json json = nlohmann::json::parse(std::ifstream(folder / "run.json"));
+    EXPECT_EQ(json["grid"]["world_from_voxel"], nlohmann::json::parse("[[1.0,0,0],[0,2.0,0],[0,0,2.5]]"));
+    EXPECT_EQ(gridsOf(folder / "run.vdb").at("density")->voxelSize(), openvdb::Vec3d(1, 2, 2.5));
+}
 
 TEST(SartRecord, HasEveryUpdateInItsOrder) {
     const Scan scan = smallScan(BeamShape::parallel);

@@ -31,7 +31,7 @@ SmallScan smallScan(BeamShape beam = BeamShape::parallel, int views = 31, int wi
     options.voxelSize = 0.5;
     scan.phantom = makeBoxWithHoles(options);
     scan.grid.dims = Index3(48, 48, 32);
-    scan.grid.spacing = 0.5;
+    scan.grid.spacing = Vec3(0.5);
     CircularOrbit orbit;
     orbit.beam = beam;
     orbit.views = views;
@@ -110,7 +110,7 @@ TEST(Sart, ViewsMayCorrectTogether) {
 TEST(Sart, OneUpdateIsWhatItsEquationSays) {
     // A single voxel and one view whose only ray goes through its middle: x = lambda p / length.
     SmallScan scan;
-    scan.grid = {Index3(1), Vec3(0), 2};
+    scan.grid = {Index3(1), Vec3(0), Vec3(2)};
     CircularOrbit orbit;
     orbit.views = orbit.width = orbit.height = 1;
     scan.geometry = circularGeometry(orbit);

@@ -56,6 +56,22 @@ TEST(MiddleSlices, BeginAtTheSmallestValueIfThatIsBelow0) {
     EXPECT_EQ(image.at(7, 0)[0], 1);
 }
 
+TEST(MiddleSlices, HaveTheProportionsOfVoxels) {
+    const Index3 dims(8, 9, 10);
+    const FloatGrid::Ptr grid = numbered(dims, 1);
+    grid->transform().preScale(openvdb::Vec3d(0.5, 0.5, 1.25));
+    const Image image = middleSlices(*grid, dims);
+    EXPECT_EQ(image.width, 8 + kGap + 8 + kGap + 9);
+    EXPECT_EQ(image.height, 25);
+    const float largest = grid->tree().getValue(Coord(4, 8, 9));
+    for (int y = 0; y < 25; ++y) {
+        const Coord voxel(3, 4, 9 - int((y + 0.5) / 2.5));
+        EXPECT_EQ(image.at(8 + kGap + 3, y)[0], linearFromSrgb(grid->tree().getValue(voxel) / largest)) << y;
+    }
+    grid->transform().preScale(openvdb::Vec3d(1, 1, 1e9));
+    EXPECT_EQ(middleSlices(*grid, dims).height, 160) << "the picture stays one";
+}
+
 TEST(MiddleSlices, OfNothingAreBlack) {
     const Image image = middleSlices(*FloatGrid::create(0), Index3(8, 8, 8));
     for (const float value : image.pixels) EXPECT_EQ(value, 0);
