@@ -36,5 +36,6 @@ void addCt(CLI::App& app, int& exitCode);
 void addShoot(CLI::App& app, int& exitCode);
 void addPhoto(CLI::App& app, int& exitCode);
 void addBake(CLI::App& app, int& exitCode);
+void addSlices(CLI::App& app, int& exitCode);
 
 }  // namespace raysweep::apps

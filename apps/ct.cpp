@@ -4,8 +4,10 @@
 #include "plot.h"
 
 #include "raysweep/core/error.h"
+#include "raysweep/core/file_name.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
+#include "raysweep/formats/dense_files.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/reconstruct/sart_record.h"
 #include "raysweep/volume/grid_select.h"
@@ -155,14 +157,19 @@ void plotHistory(const std::string& path, const std::vector<SartPoint>& history)
 }
 
 void requireOutputs(const CtArguments& a) {
-    requireWritable(a.output);
+    requireDenseOutput(a.output);  // or a .vdb
     if (!a.plot.empty()) requirePlot(a.plot);
     if (!a.slices.empty()) requireWritable(a.slices);
     if (!a.record.empty()) requireRecord(a.record);
 }
 
-void write(const CtArguments& a, const openvdb::FloatGrid::Ptr& volume) {
+/// A dense file has all voxels of `dims`, a .vdb those that are not nothing.
+void write(const CtArguments& a, const openvdb::FloatGrid::Ptr& volume, const Index3& dims) {
     requireFiniteResult(*volume, kTooLarge);
+    if (lowerExtension(a.output) != ".vdb") {
+        DenseSource source(volume, {IndexBox{Index3(0), dims - Index3(1)}, std::nullopt});
+        return writeDense(a.output, source);
+    }
     volume->setSaveFloatAsHalf(a.half);
     if (a.half && clampForHalf(*volume) > 0) warning(a.common, "values beyond half floats were set to 65504");
     volume->insertMeta("raysweep_version", openvdb::StringMetadata(RAYSWEEP_VERSION));
@@ -196,7 +203,7 @@ int run(CtArguments& a, const CLI::App& command) {
         return kInterrupted;
     }
 
-    write(a, result.volume);
+    write(a, result.volume, result.grid.dims);
     if (!a.record.empty()) writeRecord(a.record, record, scan);
     comment(a, result);
     writeReport(a.common, describe(a, scan, result, readSeconds, peak > before ? peak - before : 0));

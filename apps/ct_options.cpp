@@ -2,6 +2,7 @@
 #include "hints.h"
 
 #include "raysweep/core/file_name.h"
+#include "raysweep/formats/dense_files.h"
 #include "raysweep/image/image_io.h"
 
 #include <map>
@@ -180,9 +181,13 @@ void completeReconstruction(CtArguments& a) {
 
 void addCtOptions(CLI::App& app, CtArguments& a) {
     addInputOptions(app, a);
-    app.add_option("-o,--output", a.output, "The .vdb file to write: a grid density, 1/world unit")
+    app.add_option(
+           "-o,--output", a.output,
+           "Volume to write, densities in 1/world unit: .vdb (a grid density), .mha, .nrrd, .nii, .nii.gz, or a "
+           "folder for .tif slices (a name without an ending, or one with a slash at its end; replaced as a "
+           "whole)")
         ->required()
-        ->type_name("VOL.vdb");
+        ->type_name("VOL");
     addMethodOptions(app, a);
     app.option_defaults()->group("Volume");
     app.add_option("--size", a.size,
@@ -211,7 +216,9 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
         ->type_name("RUN.json");
     for (const char* name : {"projections", "--flat", "--dark", "--initial", "--reference"})
         reads(app.get_option(name));
-    for (const char* name : {"--output", "--plot", "--slices"}) writes(app.get_option(name));
+    for (const char* name : {"--plot", "--slices"}) writes(app.get_option(name));
+    writesOrFills(app.get_option("--output"),
+                  [](const std::string& value) { return denseFormat(value) == DenseFormat::tiffFolder; });
     writes(app.get_option("--record"), recordFiles);
     app.option_defaults()->group("Options");
     addCommonOptions(app, a.common);
@@ -219,7 +226,9 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
 
 void completeOptions(CtArguments& a, const CLI::App& command) {
     requireFileOutput(a.output);
-    if (!isVdb(a.output)) usageError("--output", "'" + a.output + "' must end in .vdb");
+    if (!isVdb(a.output) && denseFormat(a.output) == DenseFormat::unknown)
+        usageError("--output", "'" + a.output + "' must end in .vdb, " + kDenseEndings);
+    if (a.half && !isVdb(a.output)) usageError("--half", "is for .vdb; other files have 32 bit floats");
     if (!a.initial.empty() && a.initial != kFiltered && !isVdb(a.initial))
         usageError("--initial", "'" + a.initial + "' must be a .vdb file, or " + kFiltered);
     if (!a.slices.empty() && imageFormat(a.slices) == ImageFormat::Unknown)

@@ -16,6 +16,7 @@ enum class Kind { input, output, folder, replacedFolder };
 struct Role {
     Kind kind;
     FileNames names;
+    std::function<bool(const std::string&)> isFolder = {};  ///< true for values that stand for a replaced folder
 };
 
 /// A file or folder that the command was given.
@@ -32,7 +33,7 @@ std::map<const CLI::Option*, Role>& roles() {
 }
 
 CLI::Option* withRole(CLI::Option* option, Kind kind, FileNames names) {
-    roles()[option] = {kind, std::move(names)};
+    roles()[option] = {kind, std::move(names), {}};
     return option;
 }
 
@@ -43,7 +44,10 @@ std::string nameOf(const CLI::Option& option) {
 void add(std::vector<Named>& files, const CLI::Option& option, const Role& role) {
     for (const std::string& value : option.results())
         for (const std::string& path : role.names ? role.names(value) : std::vector<std::string>{value})
-            if (!path.empty()) files.push_back({nameOf(option), path, role.kind, FileIdentity(path)});
+            if (!path.empty())
+                files.push_back({nameOf(option), path,
+                                 role.isFolder && role.isFolder(path) ? Kind::replacedFolder : role.kind,
+                                 FileIdentity(path)});
 }
 
 std::vector<Named> filesOf(const CLI::App& command) {
@@ -111,6 +115,11 @@ CLI::Option* writes(CLI::Option* option, FileNames names) {
 
 CLI::Option* fills(CLI::Option* option, bool replaced) {
     return withRole(option, replaced ? Kind::replacedFolder : Kind::folder, {});
+}
+
+CLI::Option* writesOrFills(CLI::Option* option, std::function<bool(const std::string&)> isFolder) {
+    roles()[option] = {Kind::output, {}, std::move(isFolder)};
+    return option;
 }
 
 void requireFilesApart(const CLI::App& command) {

@@ -19,6 +19,8 @@ CLI::Option* reads(CLI::Option* option, FileNames names = {});
 CLI::Option* writes(CLI::Option* option, FileNames names = {});
 /// A folder that files are written into; with `replaced` all that is in it goes.
 CLI::Option* fills(CLI::Option* option, bool replaced = false);
+/// A file, or a folder all of whose content goes: `isFolder` tells by the value.
+CLI::Option* writesOrFills(CLI::Option* option, std::function<bool(const std::string& value)> isFolder);
 
 /// For the values that `command` was given.
 /// @throw CLI::ValidationError if an output is also an input, a config file or another output, a folder for output is

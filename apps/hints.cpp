@@ -44,6 +44,7 @@ constexpr Hint kHints[] = {
     {Remedy::useOriginal, "light", kExported},
     {Remedy::useOriginal, "render", kExported},
     {Remedy::useOriginal, "shoot", kExported},
+    {Remedy::useOriginal, "slices", kExported},
 };
 
 std::string filledIn(std::string text, const std::string& file) {

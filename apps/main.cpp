@@ -5,9 +5,9 @@ namespace {
 
 using namespace raysweep::apps;
 
-constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight, addRender,  addImport, addGenerate,
-                                                     addInfo,  addCompare, addExport, addProject,
-                                                     addCt,    addShoot,   addPhoto,  addBake};
+constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addImport,  addGenerate, addInfo,
+                                                     addCompare, addExport, addProject, addCt,       addShoot,
+                                                     addPhoto,   addBake,   addSlices};
 
 }  // namespace
 

@@ -23,6 +23,8 @@
 #include "raysweep/camera/poses.h"
 #include "raysweep/camera/projection_geometry.h"
 #include "raysweep/camera/projections.h"
+#include "raysweep/formats/dense_files.h"
+#include "raysweep/formats/sections.h"
 #include "raysweep/formats/volume_import.h"
 #include "raysweep/illuminate/illuminate.h"
 #include "raysweep/illuminate/illumination_record.h"

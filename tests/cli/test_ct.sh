@@ -58,6 +58,18 @@ ct p.mha --parallel -o vol.vdb $grid --stop-residual 0.05 --iterations 50
 expect_json report.json "r['termination'] == 'residual' and r['updates'] == 60 and r['residual_history'][-1] < 0.05"
 for order in random sequential golden; do ct p.mha --parallel -o $order.vdb $grid --order $order --iterations 1; done
 
+# The output's ending says what it becomes; all hold the same voxels in the same place.
+for out in vol.mha vol.nrrd vol.nii vol.nii.gz vol vol.d/; do
+    ct p.mha --parallel -o $out $grid --iterations 1 --order golden
+    expect_exit 0 "$raysweep" import $out -o back.vdb --report back.json
+    expect_json back.json "r['dims'] == [64, 64, 32]"
+    same back.vdb golden.vdb
+done
+ct p.mha --parallel -o vol $grid --iterations 1  # what it wrote itself is replaced
+echo mine >vol/notes.txt
+expect_exit 1 "$raysweep" ct p.mha --parallel -o vol $grid
+expect_match "it holds 'notes.txt'"
+
 # Nothing is lost where the grid is all that the detector sees, as it is without --size: support stays that of the object.
 ct p.mha --parallel -o all.vdb
 expect_json report.json "r['dims'] == [96, 96, 40] and r['voxels_kept'] == 73728"  # a fifth
@@ -375,7 +387,10 @@ ct p_0001.exr --parallel --views 1 -o single.vdb $grid  # a single view is fine 
 
 # Usage errors.
 cp p.mha before.mha
-refused 2 "'p.mha' must end in .vdb" p.mha -o p.mha --parallel
+refused 2 "'p.mha' would be written, but is also projections" p.mha -o p.mha --parallel
+refused 2 "'a.xyz' must end in .vdb, .mha, .nrrd, .nii, .nii.gz, or a folder" p.mha -o a.xyz --parallel
+refused 2 "--half: is for .vdb" p.mha -o a.mha --parallel --half
+refused 2 "holds 'p.mha'" p.mha -o . --parallel
 cmp -s p.mha before.mha || fail "ct wrote over its input"
 refused 2 "--geometry: is missing" p.mha $out
 refused 2 "say it one way only" p.mha $out --parallel --cone 120,180

@@ -31,6 +31,17 @@ std::map<std::string, std::string> linesOf(const std::string& description) {
     return lines;
 }
 
+/// `raysweep_place` of tiff_write.cpp.
+StoredPlace placeOf(const std::string& path, const std::string& text) {
+    constexpr double kMost = 1e30;
+    std::vector<double> numbers;
+    const bool known = toNumbers(text, numbers) && numbers.size() == 12 &&
+                       std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::abs(n) <= kMost; });
+    if (!known) failRead(path, "in its description: raysweep_place '" + text.substr(0, 200) + "' is not 12 numbers");
+    const auto vector = [&](std::size_t n) { return Vec3(numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]); };
+    return {vector(0), {vector(1), vector(2), vector(3)}};
+}
+
 PictureLayout layoutOfImageJ(const std::string& path, const std::string& description, double columnsPerUnit,
                              double rowsPerUnit) {
     const auto lines = linesOf(description);
@@ -62,7 +73,11 @@ PictureLayout layoutOfImageJ(const std::string& path, const std::string& descrip
         throw InvalidArgument("'" + path + "' has a calibration that is no straight line (ImageJ's function " +
                               std::to_string(int(function)) + "); apply it in ImageJ first");
     }
-    const auto unit = lines.find("unit");
+    const auto place = lines.find("raysweep_place"), unit = lines.find("unit");
+    if (place != lines.end()) {
+        layout.place = placeOf(path, place->second);
+        return layout;
+    }
     if (unit == lines.end() || unit->second == "pixel" || unit->second == "pixels") return layout;
     layout.unit = unit->second == "\\u00B5m" || unit->second == "micron" ? "um" : unit->second;
     layout.spacing = Vec3(columnsPerUnit > 0 ? 1 / columnsPerUnit : 1, rowsPerUnit > 0 ? 1 / rowsPerUnit : 1,

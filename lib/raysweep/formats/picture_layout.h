@@ -4,10 +4,18 @@
 #include "raysweep/core/types.h"
 #include "raysweep/formats/rescale.h"
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace raysweep {
+
+/// Of the first pixel, and from one to the next, row to row, slice to slice; world units.
+struct StoredPlace {
+    Vec3 origin{0};
+    std::array<Vec3, 3> steps{};
+};
 
 struct PictureLayout {
     bool known = false;   ///< false: nothing was said, pages are slices
@@ -17,6 +25,7 @@ struct PictureLayout {
     std::vector<std::string> channelNames;  ///< may be empty
     Vec3 spacing{0};                        ///< between columns, rows, slices; 0: not said
     std::string unit;                       ///< empty: not said
+    std::optional<StoredPlace> place;       ///< where Raysweep wrote it: tells more than the spacing
     Rescaling rescaling;                    ///< from samples to the numbers that they stand for
 
     /// The page of a channel, slice and frame.

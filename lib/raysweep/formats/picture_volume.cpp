@@ -126,6 +126,11 @@ double bytesIn(const std::vector<std::string>& files) {
 
 /// Where pixels are, if anything says so.
 void placeVolume(const Plan& plan, StoredVolume& volume) {
+    if (plan.layout.place) {
+        volume.origin = plan.layout.place->origin;
+        volume.steps = plan.layout.place->steps;
+        return;
+    }
     const Vec3& spacing = plan.layout.spacing;
     for (int axis = 0; axis < 3; ++axis)
         if (spacing[axis] > 0) volume.steps[std::size_t(axis)] *= spacing[axis];

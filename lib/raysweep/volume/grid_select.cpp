@@ -149,6 +149,14 @@ GridBase::ConstPtr selectGrid(const VdbFile& file, const std::string& name) {
     return grid;
 }
 
+GridBase::ConstPtr selectValues(const VdbFile& file, const std::string& name) {
+    const auto accepts = [](const GridBase& grid) { return isScalar(grid) || isScalarOrColor(grid); };
+    const GridBase::Ptr grid = find(file, name, accepts, "float or vec3s");
+    requireType(file, *grid, accepts, "float or vec3s");
+    if (grid->isType<DoubleGrid>()) return toFloat(grid);
+    return grid;
+}
+
 std::string listGrids(const VdbFile& file) {
     std::string text;
     for (std::size_t i = 0; i < file.grids.size(); ++i) {

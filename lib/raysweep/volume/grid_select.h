@@ -20,6 +20,9 @@ openvdb::FloatGrid::Ptr selectScalar(const VdbFile& file, const std::string& nam
 /// empty name the one called "density", else the only one. @throw InvalidArgument as selectDensity does.
 openvdb::GridBase::ConstPtr selectGrid(const VdbFile& file, const std::string& name);
 
+/// As selectGrid, but takes doubles, too, as floats.
+openvdb::GridBase::ConstPtr selectValues(const VdbFile& file, const std::string& name = "");
+
 /// As selectDensity, but expects a level set, and returns its inside as a solid (levelSetToSolid).
 /// @throw InvalidArgument as selectDensity does, if the grid is not a level set, and if it has no inside.
 openvdb::FloatGrid::Ptr selectLevelSet(const VdbFile& file, const std::string& name = "");
