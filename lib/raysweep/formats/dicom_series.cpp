@@ -183,7 +183,10 @@ void placeVolume(const std::vector<DicomFrame>& slices, bool positions, StoredVo
 
 /// The slices of the volume that is meant, in order. Takes the frames of `images`, which may be a million.
 std::vector<DicomFrame> slicesOf(std::vector<DicomHeader>& images, bool positions, const VolumeChoice& choice) {
+    std::size_t count = 0;
+    for (const DicomHeader& image : images) count += image.frames.size();
     std::vector<DicomFrame> slices;
+    slices.reserve(count);
     for (DicomHeader& image : images) {
         std::move(image.frames.begin(), image.frames.end(), std::back_inserter(slices));
         image.frames = std::vector<DicomFrame>();
