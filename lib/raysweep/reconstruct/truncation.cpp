@@ -98,13 +98,25 @@ double measuredUpTo(const Redundancy& lines, double least) {
     return measured;
 }
 
+/// The detector's end just beyond q: rays at the very end count too little for `measuredUpTo` to see them. q if none is
+/// within `most`.
+double endNear(double q, double most, const std::vector<DetectorReach>& reaches) {
+    double end = q + most;
+    for (const DetectorReach& reach : reaches)
+        for (const double at : {std::abs(reach.low), std::abs(reach.high)})
+            if (q > 0 && at >= q) end = std::min(end, at);
+    return q > 0 && end < q + most ? end : q;
+}
+
 /// Radius and ends, from what all views measure together. @return false if there is no field
 bool findField(Truncation& t, const ProjectionGeometry& geometry) {
     constexpr double kAside = 0.05;  // of the furthest: ends that are as near to each other are alike
     const Rows rows = rowsOf(t, geometry);
     const std::vector<DetectorReach> reaches = reachesOf(t, rows);
     const Redundancy lines(geometry.beam, t.orbit.angles, reaches);
-    t.radius = distanceOf(geometry, t.orbit, measuredUpTo(lines, (reaches[0].high - reaches[0].low) / rows.width()));
+    const double pixel = (reaches[0].high - reaches[0].low) / rows.width();
+    const double field = endNear(measuredUpTo(lines, pixel), 0.5 * pixel, reaches);
+    t.radius = distanceOf(geometry, t.orbit, field);
     const double aside = kAside * lines.furthest();
     for (std::size_t n = 0; n < reaches.size(); ++n) {
         const bool turned = passAt(t, rows, n, false) > passAt(t, rows, n, true);
