@@ -50,7 +50,8 @@ SWEEPS = ("dense_nearest", "dense_linear", "dense_surfaces", "dense_colour", "sm
           "smoke_in_large_box")
 
 
-CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone", "ct_rolled", "ct_fdk")
+CT = ("ct_parallel", "ct_cone", "ct_half", "ct_half_cone", "ct_rolled", "ct_rolled_more", "ct_on_side",
+      "ct_fdk")
 
 
 CUBE4 = ("cube4_64", "cube4_64_one", "cube4_64_fixed", "cube4_128")

@@ -120,6 +120,8 @@ def ct_rows(runs):
         Row("the same, cone", "≥ 1.6×", "", ratios(runs, "ms", "ct_cone", "ct_half_cone"), 1.6, at_least=True,
             form="{:.2f}×"),
         Row("cone, detector rolled by 1°, ÷ the upright one", "≤ 2", "", ratios(runs, "ms", "ct_rolled", "ct_cone"), 2),
+        Row("the same by 3°", "≤ 2", "", ratios(runs, "ms", "ct_rolled_more", "ct_cone"), 2),
+        Row("the same, on its side", "≤ 2", "", ratios(runs, "ms", "ct_on_side", "ct_cone"), 2),
         Row("FDK, a view filtered and backprojected, ÷ a SART update", "≤ 0.5", "",
             ratios(runs, "ms", "ct_fdk", "ct_cone"), 0.5),
     ]

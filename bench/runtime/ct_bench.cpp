@@ -11,6 +11,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <utility>
 
 using namespace raysweep;
 
@@ -60,7 +61,9 @@ Projections blockSeen(const ProjectionGeometry& geometry, double part) {
 
 /// 20 views around a block that takes up `part` of the volume.
 void updates(benchmark::State& state, BeamShape beam, Support support, double part, double roll = 0) {
-    const ProjectionGeometry geometry = rolled(circularGeometry(orbitOf(beam, 20)), roll);
+    CircularOrbit orbit = orbitOf(beam, 20);
+    if (roll > 45) std::swap(orbit.width, orbit.height);  // on its side, for the same rays
+    const ProjectionGeometry geometry = rolled(circularGeometry(orbit), roll);
     const Projections projections = blockSeen(geometry, part);
     SartOptions options;
     options.iterations = 1;
@@ -108,6 +111,8 @@ CT_BENCH(ct_cone, BeamShape::cone, Support::none, 1);
 CT_BENCH(ct_half, BeamShape::parallel, Support::automatic, 0.5);
 CT_BENCH(ct_half_cone, BeamShape::cone, Support::automatic, 0.5);
 CT_BENCH(ct_rolled, BeamShape::cone, Support::none, 1, 1);
+CT_BENCH(ct_rolled_more, BeamShape::cone, Support::none, 1, 3);
+CT_BENCH(ct_on_side, BeamShape::cone, Support::none, 1, 90);
 BENCHMARK_CAPTURE(filtered, ct_fdk, BeamShape::cone)->UseManualTime()->Iterations(3);
 
 }  // namespace

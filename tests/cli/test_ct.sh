@@ -296,7 +296,7 @@ expect_match "are both in the same unit (mm, cm)?"
 ct p.mha --parallel -o vol.vdb --size 24,64,32 --spacing 1
 expect_match "the object is larger than the volume: "
 ct p.mha --parallel -o vol.vdb --size 64,64,8 --spacing 1  # slices are apart
-expect_silent
+! grep -q "larger than the volume" "$work/.err" || fail "slices of parallel rays need no others"
 ct p.mha --parallel --arc 120 -o vol.vdb $grid --method fbp
 expect_match "but filtered backprojection needs 180.0: expect streaks"
 ct c.mha --cone 120,180 --arc 200 -o vol.vdb $grid --method fdk

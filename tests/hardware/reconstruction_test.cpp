@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -126,8 +125,7 @@ void expectSameProjections(const Case& all) {
         }
     }
     EXPECT_GT(largest, 3);
-    std::printf("%g\n", worst / largest);
-    EXPECT_LE(worst / largest, 3.3e-7);
+    EXPECT_LE(worst / largest, all.grid.hasCubes() ? 3.3e-7 : 4e-7);
 }
 
 void expectSameUpdates(const Case& all) {
@@ -153,16 +151,15 @@ void expectSameUpdates(const Case& all) {
         test::raiseTo(largest, double(software[i]));
     }
     EXPECT_GT(largest, 0.5);
-    std::printf("%g\n", worst / largest);
-    EXPECT_LE(worst / largest, 3.3e-7);
+    EXPECT_LE(worst / largest, all.grid.hasCubes() ? 3.3e-7 : 4e-7);
     // A voxel is read in a cycle; read and written in two.
     EXPECT_LT(machine.projectCounters().cycles * 2, machine.backprojectCounters().cycles + 300);
 }
 
 }  // namespace
 
-// Where the machine's rays are the detector's, one is Joseph's projector as the other. Asked: 1e-6. Found: 2.2e-7 of
-// the largest, and 3.0e-7 after ten updates.
+// Where the machine's rays are the detector's, one is Joseph's projector as the other. Asked: 1e-6. Found: 2.5e-7 of
+// the largest, and 3.0e-7 after ten updates; of voxels that are no cubes 3.6e-7 and 3.8e-7.
 TEST(Cube4Reconstruction, ProjectsAsJosephDoes) {
     for (const Vec3& spacing : kSpacings) expectSameProjections(Case(spacing));
 }

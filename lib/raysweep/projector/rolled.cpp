@@ -198,6 +198,17 @@ class RowsInSlice {
     std::vector<StoredColumn> stored_;  ///< of `columns_`
 };
 
+/// Those of the detector columns whose major axis this is, slice by slice: neighbours read mostly the same of one,
+/// which is near then.
+void addSlices(RowsInSlice& rows, int axis, int slices, IndexRange columns, ViewRays& rays) {
+    for (int slice = 0; slice < slices; ++slice)
+        for (int n = columns.first; n < columns.last; ++n) {
+            const RolledColumn& column = rays.view.rolled[std::size_t(n)];
+            if (column.axis == axis && slice >= column.slices.first && slice < column.slices.last)
+                rows.project(column, slice, {rays.values.column(n), rays.weights.column(n)});
+        }
+}
+
 /// Room for what a block needs of a detector column.
 struct Scratch {
     std::vector<float> heights;  ///< z of each row, RayImage::kMargin around them; far away where there is no row
@@ -333,11 +344,10 @@ IndexRange columnsAt(const JosephView& view, const DetectorColumnRun& run, int s
 void projectRolledDispatched(const ColumnVolume& volume, IndexRange columns, ViewRays& rays) {
     const JosephView& view = rays.view;
     RowsInSlice rows(volume, view.height);
+    for (int axis = 0; axis < 2; ++axis) addSlices(rows, axis, volume.lattice().dims[axis], columns, rays);
     for (int n = columns.first; n < columns.last; ++n) {
         const RolledColumn& column = view.rolled[std::size_t(n)];
         float *values = rays.values.column(n), *weights = rays.weights.column(n);
-        for (int slice = column.slices.first; slice < column.slices.last; ++slice)
-            rows.project(column, slice, {values, weights});
         for (int v = 0; v < view.height; ++v) {
             const float length = column.length(v);
             values[v] *= length;

@@ -110,16 +110,16 @@ openvdb::FloatGrid::Ptr filtered(const Measured& measured, const ReconstructOpti
 void requirePlace(const ReconstructionGrid& grid, const ProjectionGeometry& geometry) {
     constexpr double kMost = 1e9;  // pixels; or their part
     const double pixel = geometry.views.front().column.length();
-    const Vec3 size = grid.size();
+    const Vec3 size = grid.size(), &edges = grid.spacing;
     const double away = (grid.center - geometry.views.front().origin).length() + std::max({size.x, size.y, size.z});
-    for (int axis = 0; axis < 3; ++axis) {
-        const double edge = grid.spacing[axis];
-        if (edge > pixel / kMost && edge < pixel * kMost && away < pixel * kMost * kMost) continue;
-        InvalidArgument error("spacing " + brief(edge) + ": must be more than a billionth, and less than a billion " +
-                              "of the detector's pixels (" + brief(pixel) + "), and the grid where these can see it");
-        error.subject = "spacing";
-        throw error;
-    }
+    const double longest = std::max({edges.x, edges.y, edges.z});
+    const bool isSmall = !(grid.shortestEdge() > pixel / kMost);
+    if (!isSmall && longest < pixel * kMost && away < pixel * kMost * kMost) return;
+    InvalidArgument error("spacing " + brief(isSmall ? grid.shortestEdge() : longest) +
+                          ": must be more than a billionth, and less than a billion of the detector's pixels (" +
+                          brief(pixel) + "), and the grid where these can see it");
+    error.subject = "spacing";
+    throw error;
 }
 
 int viewsTogether(const ReconstructOptions& options, int views) {

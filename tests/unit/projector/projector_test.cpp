@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <random>
 #include <string>
 #include <utility>
@@ -410,17 +409,19 @@ TEST(Projector, ErrorAgainstAnEllipsoidsChordsFallsWithTheVoxels) {
     }
 }
 
-// An error goes by a voxel's width along what normals of the surface there are: it is between those of cubes.
+// An error goes by a voxel's width along what normals of the surface there are: it is between those of cubes. Found:
+// 0.0158, 0.0099, 0.0058; cone 0.0155, 0.0100, 0.0059.
 TEST(Projector, VoxelsThatAreNoCubesAreBetweenCubesOfTheirShortestAndLongestEdge) {
+    struct Case {
+        Vec3 shape;
+        double most;
+    };
     for (const BeamShape beam : {BeamShape::parallel, BeamShape::cone})
-        for (const Vec3& shape : {Vec3(1, 1, 2.5), Vec3(2, 1, 1), Vec3(1, 1, 0.4)}) {
-            const double stretched = ellipsoidError(beam, shape / 40, 0);
-            const double fine = ellipsoidError(beam, Vec3(std::min({shape.x, shape.y, shape.z}) / 40), 0);
-            const double coarse = ellipsoidError(beam, Vec3(std::max({shape.x, shape.y, shape.z}) / 40), 0);
-            std::printf("%s %g,%g,%g: %.5f, cubes %.5f to %.5f\n", beam == BeamShape::cone ? "cone" : "parallel",
-                        shape.x, shape.y, shape.z, stretched, fine, coarse);
-            EXPECT_GT(stretched, fine);
-            EXPECT_LT(stretched, coarse);
+        for (const Case& c : {Case{Vec3(1, 1, 2.5), 0.0173}, {Vec3(2, 1, 1), 0.0109}, {Vec3(1, 1, 0.4), 0.0064}}) {
+            const double stretched = ellipsoidError(beam, c.shape / 40, 0);
+            EXPECT_LT(stretched, c.most) << c.shape;
+            EXPECT_GT(stretched, ellipsoidError(beam, Vec3(std::min(c.shape.x, c.shape.z) / 40), 0)) << c.shape;
+            EXPECT_LT(stretched, ellipsoidError(beam, Vec3(std::max(c.shape.x, c.shape.z) / 40), 0)) << c.shape;
         }
 }
 
