@@ -54,7 +54,7 @@ const dims = about.dims, strides = [1, dims[0], dims[0] * dims[1]];
 const voxels = new Uint8Array(strides[2] * dims[2]);
 const [codedLow, codedHigh] = about.coded;
 const at = about.at.slice();
-const colours = ["var(--x)", "var(--y)", "var(--z)"];
+const colours = ["x", "y", "z"].map(axis => `var(--${axis})`);
 const ends = [0, 1000];  // of the window, in thousandths of what is coded
 const byId = id => document.getElementById(id);
 const brief = (number, digits = 4) => String(Number(number.toPrecision(digits)));
