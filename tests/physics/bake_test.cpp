@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <string>
 
 #include "raysweep/illuminate/illuminate.h"
 #include "raysweep/mesh/mesh_volume.h"
@@ -142,6 +143,7 @@ std::pair<double, double> errorsOf(const Shadow& shadow, const Vec3& sun) {
 // the middles of its voxels, half a voxel below: both add up at the near end.
 TEST(BakePhysics, ShadowsEndWhereTheyShould) {
     double worstNear[2] = {0, 0}, worstFar[2] = {0, 0};  // of suns below 30 degrees, and of others
+    double worstStraight[2] = {0, 0};  // far ends under straight edges: of suns from 30 degrees on, from 50 on
     for (const double elevation : {10., 20., 30., 40., 60., 80.})
         for (const double azimuth : {0., 20., 45.}) {
             const Vec3 sun = sunAt(elevation, azimuth);
@@ -153,6 +155,8 @@ TEST(BakePhysics, ShadowsEndWhereTheyShould) {
                             far);
                 raiseTo(worstNear[elevation >= 30], std::abs(near));
                 raiseTo(worstFar[elevation >= 30], std::abs(far));
+                if (elevation >= 30 && name != std::string("sphere"))
+                    raiseTo(worstStraight[elevation >= 50], std::abs(far));
             }
         }
     std::printf("  worst %.2f %.2f, low suns %.2f %.2f\n", worstNear[1], worstFar[1], worstNear[0], worstFar[0]);
@@ -161,4 +165,6 @@ TEST(BakePhysics, ShadowsEndWhereTheyShould) {
     EXPECT_LT(worstFar[1], 0.86);
     EXPECT_LT(worstNear[0], 1.68);
     EXPECT_LT(worstNear[1], 1.2);
+    EXPECT_LT(worstStraight[0], 0.32);  // found: 0.29
+    EXPECT_LT(worstStraight[1], 0.06);  // found: 0.05
 }
