@@ -17,7 +17,7 @@ const char* const kPageBeforeData = R"html(<!doctype html>
   #views { display: flex; gap: 22px; align-items: flex-end; margin: 10px 0 6px; }
   .view h2 { font-size: 13px; font-weight: 400; margin: 0 0 3px; white-space: nowrap; }
   .frame { position: relative; outline: 1px solid; cursor: crosshair; touch-action: none; overflow: hidden; background: #000; }
-  .frame canvas { display: block; width: 100%; height: 100%; image-rendering: pixelated; }
+  .frame canvas { display: block; width: 100%; height: 100%; }
   .line { position: absolute; pointer-events: none; opacity: .75; }
   .line.up { top: 0; bottom: 0; width: 1px; }
   .line.across { left: 0; right: 0; height: 1px; }
@@ -171,6 +171,8 @@ class View {
   resize(pixelsPerUnit) {
     this.frame.style.width = dims[this.right] * about.spacing[this.right] * pixelsPerUnit + "px";
     this.frame.style.height = dims[this.up] * about.spacing[this.up] * pixelsPerUnit + "px";
+    const pixels = pixelsPerUnit * Math.min(about.spacing[this.right], about.spacing[this.up]);
+    this.canvas.style.imageRendering = pixels < 2 ? "auto" : "pixelated";  // small ones would differ in width
   }
 
   draw() {

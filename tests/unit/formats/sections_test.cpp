@@ -142,7 +142,7 @@ TEST(Sections, AreDrawnInTrueProportions) {
     EXPECT_EQ(areaOf(labelOf(1, 2, 1)), kScale * kScale * 2) << "across z only";
     EXPECT_EQ(areaOf(labelOf(3, 1, 0)), kScale * kScale * 3) << "across y only";
     EXPECT_EQ(areaOf(labelOf(2, 0, 0)), kScale * kScale * 6) << "across x only";
-    EXPECT_EQ(areaOf(labelOf(0, 0, 0)), 0);
+    EXPECT_EQ(areaOf(labelOf(1, 0, 0)), 0);
 }
 
 TEST(Sections, OfLargeAndOfFlatVolumesFitIntoAPicture) {
