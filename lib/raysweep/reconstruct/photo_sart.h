@@ -67,7 +67,7 @@ struct PhotoVolumes {
 /// Memory: 32 bytes for each voxel of a brick that is kept; with diffuse light 56; the paper's form 48 and 56; as much
 /// as the volume, 16, for the best so far; and the pictures. The same bits for any number of threads.
 /// @throw InvalidArgument for options out of bounds, photographs without alpha, cameras of other sizes than their
-/// pictures, photographs that show nothing of the grid, and volumes on other voxels.
+/// pictures, photographs that show nothing of the grid, voxels that are no cubes, and volumes on other voxels.
 PhotoReconstruction photoSart(const std::vector<Photograph>& photographs, const ReconstructionGrid& grid,
                               const PhotoSartOptions& options, const PhotoVolumes& volumes = {},
                               const ProgressCallback& progress = {});
