@@ -276,13 +276,16 @@ def counts(name, *, unit=None, dark=True, kind="u2", wrap=False):
 def h5(kind, said_word, *options, **how):
     counts("p.h5", **how)
     grid, said = reconstruct("p.h5", "--axis-column", 39.5, "--method", "fbp", *options, size=(80, 80, 40))
-    judge(kind + (", said" if said_word in said else ", NOT SAID"), grid)
+    judge(kind + (", said" if said_word in said else ", NOT SAID: " + said), grid)
 
 
 def scan_files():
     h5("angles in radians", "radian", unit="rad")
-    h5("no dark fields", "dark", dark=False)
-    h5("unsigned counts in a signed type", "signed", wrap=True)
+    h5("no dark fields", "without beam", dark=False)
+    counts("p.h5", wrap=True)
+    said = run("ct", "p.h5", "-o", "v.vdb", "--axis-column", 39.5, "--method", "fbp", "--size", "80,80,40", fails=True)
+    row("unsigned counts in a signed type", "refused, with what to do", said.strip()[-60:], "--unsigned-counts" in said)
+    h5("the same with --unsigned-counts", "", "--unsigned-counts", wrap=True)
 
 
 def sinograms():
