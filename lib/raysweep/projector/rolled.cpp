@@ -139,8 +139,6 @@ class RowsInSlice {
         const IndexRange met = rowsBetween(rows_, -1, float(dimZ), rowCount_);
         if (met.first == met.last) return;
         for (int v = met.first; v < met.last; v += kLaneCount) hn::StoreU(heightsFrom(rows_, v), kLanes, &heights_[v]);
-        // What is behind the last row that is met is above the volume, wherever a row that far behind would be.
-        std::fill_n(&heights_[met.last], kLaneCount, float(dimZ + 1));
         findColumns(column, slice, heightsOf(met));
         for (int v = met.first; v < met.last; v += kLaneCount)
             addColumns(v, besideRows({v, v + kLaneCount}), {to.values + v, to.weights + v});

@@ -120,17 +120,6 @@ std::vector<Scan> scans() {
         for (XrayView& view : inclined.views) view.row += view.column.cross(view.row) * 0.1;
         all.push_back({name + " with an inclined detector", inclined});
     }
-    // Ten rows further on the detector's plane would meet the source.
-    CircularOrbit few = smallOrbit(BeamShape::cone);
-    few.height = 3;
-    few.pixelWidth = 0.1;
-    few.pixelHeight = 1.5;
-    few.sourceToDetector = 8;
-    for (const double lean : {-0.577, 0.577}) {
-        ProjectionGeometry inclined = circularGeometry(few);
-        for (XrayView& view : inclined.views) view.row += view.column.cross(view.row).normalized() * (1.5 * lean);
-        all.push_back({"few rows of an inclined detector", inclined});
-    }
     ProjectionGeometry rising = circularGeometry(smallOrbit(BeamShape::parallel));
     for (XrayView& view : rising.views) view.direction = (view.direction + Vec3(0, 0, 0.4)).normalized();
     all.push_back({"parallel that rises", rising});
