@@ -91,8 +91,8 @@ class DenseFiles : public Import {
     }
 };
 
-/// Places are up to 147 units from 0: half of what floats there are apart is 7.6e-6 (found: 3.9e-6), doubles 1.4e-14, of
-/// which a sum of four has some (found: 3.2e-14).
+/// Places are up to 147 units from 0: half of what floats there are apart is 7.6e-6 (found: 3.9e-6), doubles 1.4e-14,
+/// of which a sum of four has some (found: 3.2e-14).
 double toleranceOf(const std::string& name) {
     return denseFormat(name) == DenseFormat::nifti ? 4.2e-6 : 3.5e-14;
 }
