@@ -2,9 +2,9 @@
 #include "ct_options.h"
 #include "hints.h"
 #include "plot.h"
+#include "volume_output.h"
 
 #include "raysweep/core/error.h"
-#include "raysweep/core/file_name.h"
 #include "raysweep/core/memory.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/formats/dense_files.h"
@@ -166,7 +166,7 @@ void requireOutputs(const CtArguments& a) {
 /// A dense file has all voxels of `dims`, a .vdb those that are not nothing.
 void write(const CtArguments& a, const openvdb::FloatGrid::Ptr& volume, const Index3& dims) {
     requireFiniteResult(*volume, kTooLarge);
-    if (lowerExtension(a.output) != ".vdb") {
+    if (!isVdb(a.output)) {
         DenseSource source(volume, {IndexBox{Index3(0), dims - Index3(1)}, std::nullopt});
         return writeDense(a.output, source);
     }

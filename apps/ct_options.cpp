@@ -1,7 +1,7 @@
 #include "ct_options.h"
 #include "hints.h"
+#include "volume_output.h"
 
-#include "raysweep/core/file_name.h"
 #include "raysweep/formats/dense_files.h"
 #include "raysweep/image/image_io.h"
 
@@ -28,10 +28,6 @@ const std::map<std::string, RampWindow> kWindows = {{"cosine", RampWindow::cosin
 
 const std::string kAuto = "auto";     ///< --axis-column: found
 const std::string kFiltered = "fbp";  ///< --initial: start from filtered backprojection
-
-bool isVdb(const std::string& path) {
-    return lowerExtension(path) == ".vdb";
-}
 
 void addInputOptions(CLI::App& app, CtArguments& a) {
     app.add_option(
@@ -225,9 +221,7 @@ void addCtOptions(CLI::App& app, CtArguments& a) {
 }
 
 void completeOptions(CtArguments& a, const CLI::App& command) {
-    requireFileOutput(a.output);
-    if (!isVdb(a.output) && denseFormat(a.output) == DenseFormat::unknown)
-        usageError("--output", "'" + a.output + "' must end in .vdb, " + kDenseEndings);
+    requireVolumeOutput(a.output);
     if (a.half && !isVdb(a.output)) usageError("--half", "is for .vdb; other files have 32 bit floats");
     if (!a.initial.empty() && a.initial != kFiltered && !isVdb(a.initial))
         usageError("--initial", "'" + a.initial + "' must be a .vdb file, or " + kFiltered);

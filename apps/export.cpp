@@ -1,7 +1,7 @@
 /// raysweep export: a volume for other programs. A copy that Blender shows in its place, or a dense file.
 #include "dense_options.h"
+#include "volume_output.h"
 
-#include "raysweep/core/file_name.h"
 #include "raysweep/core/output_file.h"
 #include "raysweep/formats/dense_files.h"
 #include "raysweep/volume/cycles_export.h"
@@ -19,16 +19,10 @@ struct ExportOptions {
     DenseArguments dense;
 };
 
-bool isVdb(const std::string& path) {
-    return lowerExtension(path) == ".vdb";
-}
-
 /// Everything that can be said to be wrong before a file is read.
 void requireOptions(const ExportOptions& options, const CLI::App& command) {
-    requireFileOutput(options.output);
+    requireVolumeOutput(options.output);
     denseChoice(options.dense);
-    if (!isVdb(options.output) && denseFormat(options.output) == DenseFormat::unknown)
-        usageError("--output", "'" + options.output + "' must end in .vdb, " + kDenseEndings);
     if (!isVdb(options.output)) return;
     for (const char* name : {"--grid", "--channel", "--dense-box"})
         if (command.count(name) > 0) usageError(name, "is for other files; a .vdb keeps all that there is");
