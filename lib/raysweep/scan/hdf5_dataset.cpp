@@ -153,16 +153,11 @@ void Hdf5Dataset::requireWritten(std::int64_t creation) const {
 
 /// Of values that are in other files: that these are there.
 void Hdf5Dataset::requireSources(std::int64_t creation) const {
-    const int outside = H5Pget_external_count(creation);
-    for (int n = 0; n < outside; ++n) {
-        char name[4096] = {};
-        off_t offset = 0;
-        hsize_t size = 0;
-        H5Pget_external(creation, unsigned(n), sizeof name - 1, name, &offset, &size);
+    for (const Hdf5External& outside : hdf5Externals(creation)) {
         std::error_code failed;
-        const auto there = fs::file_size(name, failed);  // as HDF5 does, from where the program runs
-        if (failed || (size != H5F_UNLIMITED && there < std::uintmax_t(offset) + size))
-            fail("its values are in the file '" + std::string(name) + "', which is missing or too short");
+        const auto there = fs::file_size(outside.file, failed);
+        if (failed || (outside.size != H5F_UNLIMITED && there < outside.offset + outside.size))
+            fail("its values are in the file '" + outside.file + "', which is missing or too short");
     }
     const std::vector<Hdf5Part> parts = hdf5Parts(path_, creation, sizes_);
     std::uint64_t covered = 0, all = parts.empty() ? 0 : 1;

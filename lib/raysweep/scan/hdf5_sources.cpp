@@ -86,14 +86,8 @@ Covered coveredBy(hid_t where, const std::vector<std::uint64_t>& sizes) {
 class SourceWalk {
   public:
     std::string walk(const std::string& path, hid_t creation) {
-        const int outside = H5Pget_external_count(creation);
-        for (int n = 0; n < outside; ++n) {
-            char name[4096] = {};
-            off_t offset = 0;
-            hsize_t size = 0;
-            H5Pget_external(creation, unsigned(n), sizeof name - 1, name, &offset, &size);
-            if (const std::string why = note(name); !why.empty()) return why;  // as seen from where the program runs
-        }
+        for (const Hdf5External& outside : hdf5Externals(creation))
+            if (const std::string why = note(outside.file); !why.empty()) return why;
         for (std::size_t n = 0; n < mappingsOf(creation); ++n)
             if (const std::string why = walk(path, Mapping(creation, n)); !why.empty()) return why;
         return "";
@@ -128,6 +122,19 @@ class SourceWalk {
 };
 
 }  // namespace
+
+std::vector<Hdf5External> hdf5Externals(std::int64_t creation) {
+    std::vector<Hdf5External> files;
+    const int count = H5Pget_external_count(creation);
+    for (int n = 0; n < count; ++n) {
+        char name[4096] = {};
+        off_t offset = 0;
+        hsize_t size = 0;
+        H5Pget_external(creation, unsigned(n), sizeof name - 1, name, &offset, &size);
+        files.push_back({name, std::uint64_t(offset), size});
+    }
+    return files;
+}
 
 std::vector<Hdf5Part> hdf5Parts(const std::string& path, std::int64_t creation,
                                 const std::vector<std::uint64_t>& sizes) {

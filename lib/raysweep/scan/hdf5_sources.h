@@ -18,6 +18,15 @@ struct Hdf5Part {
 std::vector<Hdf5Part> hdf5Parts(const std::string& path, std::int64_t creation,
                                 const std::vector<std::uint64_t>& sizes);
 
+/// A file that raw values are in, as seen from where the program runs.
+struct Hdf5External {
+    std::string file;
+    std::uint64_t offset = 0, size = 0;  ///< bytes; a size of H5F_UNLIMITED is all behind the offset
+};
+
+/// @param creation as below
+std::vector<Hdf5External> hdf5Externals(std::int64_t creation);
+
 /// Remembers the files that a dataset's values are in, and those that theirs are in, as read (noteInput). To be called
 /// before HDF5 is asked for the dataset's size, as it opens them then.
 /// @return why one of them cannot be read, in words; empty if they can be, or are not there
