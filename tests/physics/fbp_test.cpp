@@ -3,6 +3,7 @@
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/phantoms/ct_phantoms.h"
 #include "raysweep/phantoms/exact_projections.h"
+#include "support/detectors.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,7 @@
 #include <vector>
 
 using namespace raysweep;
+using test::turnDetectors;
 
 namespace {
 
@@ -119,20 +121,6 @@ const Truth& eggMiddle() {
 /// x, y, z become y, z, x.
 Vec3 turned(const Vec3& v) {
     return Vec3(v.z, v.x, v.y);
-}
-
-/// Turns each detector about its middle. @param turn gives for a view the axis, and the angle in degrees
-template <class Turn>
-void turnDetectors(ProjectionGeometry& geometry, const Turn& turn) {
-    for (XrayView& view : geometry.views) {
-        const double x = 0.5 * (geometry.width - 1), y = 0.5 * (geometry.height - 1);
-        const Vec3 middle = view.pixel(x, y);
-        const auto [about, degrees] = turn(view);
-        const Vec3 axis = about.normalized();
-        const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
-        for (Vec3* v : {&view.column, &view.row}) *v = *v * c + axis.cross(*v) * s + axis * (axis.dot(*v) * (1 - c));
-        view.origin = middle - view.column * x - view.row * y;
-    }
 }
 
 void report(const std::string& name, const Difference& middle, const Difference& whole) {

@@ -5,6 +5,7 @@
 #include "raysweep/reconstruct/fbp.h"
 #include "raysweep/reconstruct/sart.h"
 
+#include "support/detectors.h"
 #include "support/worst.h"
 
 #include <gtest/gtest.h>
@@ -16,6 +17,7 @@
 #include <vector>
 
 using namespace raysweep;
+using test::rolled;
 
 namespace {
 
@@ -24,19 +26,6 @@ using Shapes = std::vector<SolidShape>;
 constexpr double kHalf = 24;  // world units: objects lie in [-kHalf, kHalf]³
 
 const Vec3 kLong(1, 1, 2.5), kWide(2, 1, 1);
-
-/// Each detector turned about its middle, in its plane.
-ProjectionGeometry rolled(ProjectionGeometry geometry, double degrees) {
-    const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
-    for (XrayView& view : geometry.views) {
-        const double x = 0.5 * (geometry.width - 1), y = 0.5 * (geometry.height - 1);
-        const Vec3 middle = view.pixel(x, y), column = view.column, row = view.row;
-        view.column = column * c + row * s;
-        view.row = row * c - column * s;
-        view.origin = middle - view.column * x - view.row * y;
-    }
-    return geometry;
-}
 
 /// Pixels of 1 at the axis; as many views as the sampling theorem asks for at the objects' rim.
 ProjectionGeometry turn(BeamShape beam, double roll) {

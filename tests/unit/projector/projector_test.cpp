@@ -14,10 +14,12 @@
 #include "raysweep/phantoms/solid_shapes.h"
 #include "raysweep/projector/backproject.h"
 #include "raysweep/projector/project_grid.h"
+#include "support/detectors.h"
 #include "support/worst.h"
 #include "unit/instruction_sets.h"
 
 using namespace raysweep;
+using test::rolled;
 
 namespace {
 
@@ -79,19 +81,6 @@ CircularOrbit smallOrbit(BeamShape beam) {
     orbit.sourceToAxis = 80;
     orbit.sourceToDetector = 95;
     return orbit;
-}
-
-/// `geometry` with each detector turned about its middle within its plane, degrees.
-ProjectionGeometry rolled(ProjectionGeometry geometry, double degrees) {
-    const double c = std::cos(degrees * kPi / 180), s = std::sin(degrees * kPi / 180);
-    for (XrayView& view : geometry.views) {
-        const double x = 0.5 * (geometry.width - 1), y = 0.5 * (geometry.height - 1);
-        const Vec3 middle = view.pixel(x, y), column = view.column, row = view.row;
-        view.column = column * c + row * (s * column.length() / row.length());
-        view.row = row * c - column * (s * row.length() / column.length());
-        view.origin = middle - view.column * x - view.row * y;
-    }
-    return geometry;
 }
 
 /// Parallel and cone, level and tilted, coarse and fine detectors, rays along every axis.
