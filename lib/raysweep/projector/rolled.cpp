@@ -139,6 +139,8 @@ class RowsInSlice {
         const IndexRange met = rowsBetween(rows_, -1, float(dimZ), rowCount_);
         if (met.first == met.last) return;
         for (int v = met.first; v < met.last; v += kLaneCount) hn::StoreU(heightsFrom(rows_, v), kLanes, &heights_[v]);
+        // Lanes behind the last row, whose z may be anywhere, must not widen what a vector of rows is taken to meet.
+        std::fill_n(&heights_[rowCount_], kLaneCount, rows_.at(float(rowCount_ - 1)));
         findColumns(column, slice, heightsOf(met));
         for (int v = met.first; v < met.last; v += kLaneCount)
             addColumns(v, besideRows({v, v + kLaneCount}), {to.values + v, to.weights + v});

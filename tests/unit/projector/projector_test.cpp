@@ -108,6 +108,15 @@ std::vector<Scan> scans() {
         ProjectionGeometry inclined = circularGeometry(orbit);
         for (XrayView& view : inclined.views) view.row += view.column.cross(view.row) * 0.1;
         all.push_back({name + " with an inclined detector", inclined});
+        // Some rows behind the last one's z would pass through infinity.
+        CircularOrbit few = orbit;
+        few.height = 3;
+        few.pixelHeight = 15;
+        for (const double lean : {-0.577, 0.577}) {
+            inclined = circularGeometry(few);
+            for (XrayView& view : inclined.views) view.row += view.column.cross(view.row).normalized() * (lean * 15);
+            all.push_back({name + " with few rows that lean by " + std::to_string(lean), inclined});
+        }
     }
     ProjectionGeometry rising = circularGeometry(smallOrbit(BeamShape::parallel));
     for (XrayView& view : rising.views) view.direction = (view.direction + Vec3(0, 0, 0.4)).normalized();
@@ -167,14 +176,16 @@ void expectAdjoint(const std::vector<Scan>& scans, const Vec3& spacing = Vec3(1)
                 const double projected = dot(forward.values, backward.values, width, height);
                 backprojectView(backward, back);
                 ASSERT_GT(projected, 0) << scan.name;
-                EXPECT_NEAR(dot(x, back) / projected, 1, 2.3e-7) << scan.name << ", view " << view;
+                EXPECT_NEAR(dot(x, back) / projected, 1, height < 10 ? 6.6e-7 : 2.3e-7)
+                    << scan.name << ", view " << view;
             }
         }
 }
 
 }  // namespace
 
-// Floats are summed in different orders on both sides; what is found is 1e-11 to 2.1e-7.
+// Floats are summed in different orders on both sides; what is found is 1e-11 to 2.1e-7, and up to 6.1e-7 where three
+// rows are all that rounding is averaged over.
 TEST(Projector, BackprojectionIsItsAdjointOnEveryAxis) {
     expectAdjoint(scans());
 }
