@@ -140,7 +140,9 @@ void comment(const LightArguments& a, const SceneFromFile& made, const Illuminat
                               "accurate; " +
                               (origin.classification ? "" : "a lower --extinction or ") +
                               (a.resolution < 1 ? "a higher --resolution helps" : "finer voxels help"));
-    if (lit.activeVoxels == 0)
+    if (!origin.nothingOpaque.empty())
+        warning(a.common, origin.nothingOpaque + ": there is nothing to light");
+    else if (lit.activeVoxels == 0)
         warning(a.common, "the density grid is empty (it has no active voxels): there is nothing to light");
     else if (largestDensity == 0)
         warning(a.common, "the density is 0 in all active voxels: there is nothing that light could meet");

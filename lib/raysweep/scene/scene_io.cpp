@@ -1,5 +1,6 @@
 #include "raysweep/scene/scene_io.h"
 
+#include "raysweep/core/brief.h"
 #include "raysweep/core/require.h"
 #include "raysweep/image/image_io.h"
 #include "raysweep/scene/lit_file.h"
@@ -8,6 +9,7 @@
 #include "raysweep/volume/cycles_export.h"
 #include "raysweep/volume/grid_select.h"
 #include "raysweep/volume/similarity.h"
+#include "raysweep/volume/statistics.h"
 #include "raysweep/volume/voxel_check.h"
 
 #include <cmath>
@@ -64,6 +66,11 @@ std::string nameOf(const Classification& classification) {
 /// Puts what the transfer function makes of the density in its place. Its colours are the albedo unless `albedoGiven`.
 void classifyMedium(Medium& medium, bool albedoGiven, SceneOrigin& origin) {
     const ClassifiedVolume classified = classify(*medium.density, origin.classification->function);
+    const ValueRange values = valueRange(*medium.density);
+    if (classified.extinction->empty() && !values.min.empty())
+        origin.nothingOpaque = "'" + origin.density + "' has values from " + brief(values.min[0]) + " to " +
+                               brief(values.max[0]) + ", to none of which " + nameOf(*origin.classification) +
+                               " gives any opacity";
     medium.density = classified.extinction;
     medium.extinctionScale = 1;
     medium.solid = true;

@@ -87,6 +87,7 @@ struct SceneOrigin {
     std::string density;  ///< the grid that was chosen, by a name that chooses it again
     std::optional<Classification> classification;
     bool ownExtinction = false;        ///< the extinction is no multiple of that grid, so files of results must hold it
+    std::string nothingOpaque;         ///< why, if the classification leaves no voxel any opacity
     std::optional<SkySuns> skySuns;    ///< none without a map
     std::vector<Repair> repairs;       ///< where there was something to repair
     std::vector<std::string> reasons;  ///< what is modelled and why, one line each; the solver's plan has more

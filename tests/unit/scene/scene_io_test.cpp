@@ -76,6 +76,17 @@ TEST(MediumFrom, ClassifiesByARamp) {
     EXPECT_EQ(made.origin.reasons.at(0), "extinction: 'ct' classified by the ramp 0,1");
 }
 
+// An import has the values 0 to 1 that its 8 bits stand for, whoever thinks of them as 0 to 255.
+TEST(MediumFrom, SaysWhyNothingIsOpaque) {
+    MediumOptions options;
+    options.classification = rampOf(50, 200, "50,200");
+    const MediumFromFile made = mediumFrom(fileOf({test::namedBox("ct", 1)}), options);
+    EXPECT_EQ(made.origin.nothingOpaque,
+              "'ct' has values from 1 to 1, to none of which the ramp 50,200 gives any opacity");
+    options.classification = rampOf(0, 2, "0,2");
+    EXPECT_EQ(mediumFrom(fileOf({test::namedBox("ct", 1)}), options).origin.nothingOpaque, "");
+}
+
 TEST(MediumFrom, TakesATablesColoursUnlessAnAlbedoIsGiven) {
     MediumOptions options;
     options.classification = Classification{{{{0, 0, grey(0.25f)}, {1, 0.5, grey(0.25f)}}, true}, "", "bone.json"};
