@@ -37,7 +37,7 @@ FloatGrid::Ptr gridOf(const Value& value, int edge = kEdge) {
 
 /// Uniform in [0,1), one for each voxel.
 double randomAt(const Coord& at) {
-    std::mt19937 random(unsigned(at.x() * 73856093) ^ unsigned(at.y() * 19349663) ^ unsigned(at.z() * 83492791));
+    std::mt19937 random(unsigned(at.x()) * 73856093u ^ unsigned(at.y()) * 19349663u ^ unsigned(at.z()) * 83492791u);
     return std::uniform_real_distribution<double>(0, 1)(random);
 }
 
