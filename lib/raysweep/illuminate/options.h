@@ -49,7 +49,7 @@ struct IlluminateOptions {
     /// opaque, (0,1].
     double surfaceThreshold = 0.1;
     DirectionSet directions = DirectionSet::fibonacci;
-    int batch = 32;  ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
+    int batch = 48;  ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
                      ///< large as all before it
     /// Media that are not periodic begin with a solution on voxels twice as long (and that with one on voxels twice as
     /// long again), and what is under way at the end is settled there, if `remaining` is `shoot`. Not so with this.

@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kLookInterval = 20;   ///< the paper's delta i: sweeps between estimates that are compared
 constexpr int kFewestSweeps = 40;   ///< two estimates at least
+constexpr int kFoldInterval = 160;  ///< sweeps whose deposits floats add up without losing much
 constexpr int kFinishInterval = 4;  ///< finishing sweeps between looks at what is left
 constexpr int kCoarseSweeps = 40;
 constexpr std::size_t kFewestBricks = 8;  ///< that a coarse level is worth while for
@@ -65,7 +66,7 @@ double meanDepth(const SolverState& state) {
 /// thick that solution is not that good, and power should move on. Measured with bench/quality.
 Pace paceOf(const SolverState& state, const IlluminateOptions& options, bool coarse) {
     Pace pace{0.5, 1};
-    if (coarse) pace = meanDepth(state) > kThickVoxels ? Pace{0.2, 1} : Pace{0.1, 4};
+    if (coarse) pace = meanDepth(state) > kThickVoxels ? Pace{0.2, 1} : Pace{0.1, 8};
     if (options.zeta) pace.zeta = *options.zeta;
     if (options.beams > 0) pace.beams = options.beams;
     // Other sets have no groups: their directions would each shoot a part of what one alone should.
@@ -117,6 +118,8 @@ class Solver {
             beams.push_back(nextBeam(direction, Inject::nothing));
         sweepWhiteFurnace(state_, std::move(beams), options_.interpolation, constants(), false);
     }
+
+    int leftOfBatch() const { return directions_.leftOfBatch(); }
 
     ExchangeConstants constants() const { return exchangeConstants(state_, zeta_, mostBeams_); }
     /// Part of the unshot power of a voxel that a beam shoots, on average over directions.
@@ -190,23 +193,34 @@ class Solver {
     std::mt19937_64 offsets_;
 };
 
-/// Sweeps from `n` on to where something is to be looked at.
+/// Sweeps from `n` on to where it must be stopped: elsewhere groups of directions end where they do.
 int sweepsToNextStop(int n, const IlluminateOptions& options) {
-    int most = std::min(options.sweeps - n, kLookInterval - n % kLookInterval);
-    if (options.snapshotEvery > 0) most = std::min(most, options.snapshotEvery - n % options.snapshotEvery);
-    return most;
+    const int most = options.sweeps - n;
+    return options.snapshotEvery > 0 ? std::min(most, options.snapshotEvery - n % options.snapshotEvery) : most;
+}
+
+/// An estimate is good when a batch of directions is complete, so it is looked at then, unless it has just been, and not
+/// shortly before.
+bool isTimeToLook(int sweeps, int leftOfBatch) {
+    return sweeps >= (leftOfBatch == 0 ? kLookInterval / 2 : kLookInterval) &&
+           (leftOfBatch == 0 || leftOfBatch >= kLookInterval / 2);
 }
 
 /// Sweeps until the estimate stands still. @return how it ended
 Termination iterate(Solver& solver, SolverState& state, const SweepJob& job, std::vector<ConvergencePoint>& history) {
     const IlluminateOptions& options = job.options;
     double done = 0;
+    int looked = 0, folded = 0;
     while (state.power.injections < options.sweeps) {
         solver.sweepNext(Inject::everything, sweepsToNextStop(state.power.injections, options));
         const int n = state.power.injections;
-        if (n % kLookInterval == 0) {
-            const double rms = accumulateAndMeasureChange(state, kLookInterval);
+        if (isTimeToLook(n - looked, solver.leftOfBatch())) {
+            const double rms = accumulateAndMeasureChange(state, n - std::exchange(looked, n));
             history.push_back({n, rms, solver.unshotShare()});
+            if (n - folded >= kFoldInterval) {
+                accumulateDeposits(state);
+                folded = n;
+            }
             if (n >= kFewestSweeps && rms < options.tolerance) return Termination::converged;
             // The difference falls like 1/n, so this is about the part of the sweeps that are done.
             if (rms > 0) done = std::max(done, std::min(1.0, options.tolerance / rms));
@@ -239,15 +253,18 @@ void spreadRemaining(SolverState& state) {
 int shootRemaining(Solver& solver, SolverState& state, double enough, const ProgressCallback& progress,
                    Termination& termination) {
     const double first = unshotPower(state).sum();
-    int sweeps = 0;
+    int sweeps = 0, folded = 0;
     for (double left = first; left > enough;) {
         if (sweeps >= kMostFinishing) {
             termination = Termination::sweepLimit;
             break;
         }
         for (const int end = sweeps + kFinishInterval; sweeps < end;)
-            sweeps += solver.sweepNext(Inject::nothing, end - sweeps);
-        if (sweeps % kLookInterval == 0) accumulateDeposits(state);
+            sweeps += solver.sweepNext(Inject::nothing, kMostBeams);
+        if (sweeps - folded >= kFoldInterval) {
+            accumulateDeposits(state);
+            folded = sweeps;
+        }
         left = unshotPower(state).sum();
         const double done = std::log(first / left) / std::log(first / enough);
         if (!report(progress, "finishing", std::min(1.0, std::max(0.0, done)))) {

@@ -25,11 +25,12 @@ inline SweepAxis sweepAxis(int major) {
     }
 }
 
-/// Directions of one class (in index space) have their major axis and all signs of travel in common: their beams meet
-/// bricks in one order, so that they can go together.
-constexpr int kDirectionClasses = 24;
+/// Directions of one class (in index space) have their major axis in common, and the signs of travel along it and along
+/// its rows: their beams meet rows of bricks in one order, so that they can go together.
+constexpr int kDirectionClasses = 12;
 inline int directionClass(const Vec3& direction) {
-    return majorAxis(direction) * 8 + (direction.x < 0 ? 4 : 0) + (direction.y < 0 ? 2 : 0) + (direction.z < 0 ? 1 : 0);
+    const SweepAxis axis = sweepAxis(majorAxis(direction));
+    return axis.major * 4 + (direction[axis.major] < 0 ? 2 : 0) + (direction[axis.row] < 0 ? 1 : 0);
 }
 
 }  // namespace raysweep

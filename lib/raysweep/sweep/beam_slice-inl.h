@@ -23,14 +23,15 @@ struct BeamSlice {
     const Beam* beam;
 };
 
-HWY_INLINE BeamSlice beamSlice(const Beam& beam, FrontRays& rays, const BrickVisit& visit, int k, bool furnace) {
+HWY_INLINE BeamSlice beamSlice(const SweptBeam& swept, const BrickVisit& visit, int k, bool furnace) {
+    FrontRays& rays = *swept.rays;
     const std::ptrdiff_t column = visit.column - rays.columnShift(k);
     return {rays.power() + column,
             rays.rowStarts() + (visit.row - rays.rowShift(k)),
             std::ptrdiff_t(rays.planeStride()),
             furnace ? rays.furnace() + column : nullptr,
             furnace ? rays.lastSlice() + column : nullptr,
-            &beam};
+            swept.beam};
 }
 
 /// Part of a brick's slice that lies over the lattice.
@@ -49,7 +50,9 @@ struct Clip {
 };
 
 /// In a periodic volume a brick may hang over the end of the lattice, where it is met as another image.
-inline Clip clipToLattice(const RayFront& front, const FrontRays& rays, const BrickVisit& visit, int k) {
+inline Clip clipToLattice(const SweptBeam& swept, const BrickVisit& visit, int k) {
+    const RayFront& front = swept.beam->front;
+    const FrontRays& rays = *swept.rays;
     Clip clip;
     const auto clipAxis = [](const Lateral& lateral, int first, int& begin, int& end) {
         if (!lateral.periodic) return;
@@ -66,21 +69,15 @@ struct BrickClip {
     Clip slices[kBrickEdge];
     bool whole = true;  ///< nothing is clipped
 
-    BrickClip(const SweptBeams& swept, const BrickVisit& visit) {
-        const RayFront& front = swept.beams[0].front;
+    BrickClip(const SweptBeam& swept, const BrickVisit& visit) {
+        const RayFront& front = swept.beam->front;
         if (!front.column.periodic && !front.row.periodic) return;
         for (int j = 0; j < kBrickEdge; ++j) {
-            slices[j] = clipToLattice(front, swept.rays[0], visit, visit.slice + j);
+            slices[j] = clipToLattice(swept, visit, visit.slice + j);
             whole = whole && slices[j].whole();
         }
     }
 };
-
-inline float mostStepScale(const SweptBeams& swept) {
-    float most = 0;
-    for (const Beam& beam : swept.beams) most = std::max(most, beam.stepScale);
-    return most;
-}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace raysweep {
@@ -44,7 +45,9 @@ Matrix3 randomRotation(std::mt19937_64& random) {
 }
 
 DirectionSequence::DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf)
-    : options_(options), classOf_(std::move(classOf)), random_(options.seed) {}
+    : options_(options), classOf_(std::move(classOf)), random_(options.seed) {
+    if (options.set != DirectionSet::fibonacci) left_ = std::numeric_limits<int>::max();
+}
 
 /// As large as all before. An estimate is good when a batch is complete: if it is known where the last one ends, it
 /// takes what would be left for one of less than half its size.
@@ -60,19 +63,32 @@ void DirectionSequence::refill() {
     const std::size_t size = nextBatch();
     std::vector<Vec3> shuffled = sphericalFibonacci(int(size));
     drawn_ += size;
+    left_ = int(size);
     // Fisher-Yates by hand: std::shuffle is not the same on every platform.
     for (std::size_t i = shuffled.size() - 1; i > 0; --i)
         std::swap(shuffled[i], shuffled[std::size_t(uniform01(random_) * double(i + 1))]);
-    // A group comes when it is full, so groups are in as random an order as their members.
-    std::vector<Vec3> open[kDirectionClasses];
-    for (const Vec3& point : shuffled) {
-        const Vec3 direction = point * rotation;
-        std::vector<Vec3>& group = open[options_.groupSize > 1 ? classOf_(direction) : 0];
-        group.push_back(direction);
-        if (group.size() == std::size_t(options_.groupSize)) groups_.push_back(std::exchange(group, {}));
+    const auto piecesOf = [](std::size_t all, std::size_t most) { return (all + most - 1) / most; };
+    std::size_t left[kDirectionClasses] = {0}, groups[kDirectionClasses];
+    for (Vec3& direction : shuffled) {
+        direction = direction * rotation;
+        ++left[classOf(direction)];
     }
-    for (std::vector<Vec3>& group : open)
-        if (!group.empty()) groups_.push_back(std::move(group));
+    for (int c = 0; c < kDirectionClasses; ++c) groups[c] = piecesOf(left[c], std::size_t(options_.groupSize));
+    // A class makes as few groups as it can, all of about one size. A group comes when it is full, so groups are in as
+    // random an order as their members.
+    std::vector<Vec3> open[kDirectionClasses];
+    for (const Vec3& direction : shuffled) {
+        const int c = classOf(direction);
+        open[c].push_back(direction);
+        if (open[c].size() < piecesOf(left[c], groups[c])) continue;
+        left[c] -= open[c].size();
+        --groups[c];
+        groups_.push_back(std::exchange(open[c], {}));
+    }
+}
+
+int DirectionSequence::classOf(const Vec3& direction) const {
+    return options_.groupSize > 1 ? classOf_(direction) : 0;
 }
 
 Vec3 DirectionSequence::nextOfRecurrence() {
@@ -94,6 +110,7 @@ std::vector<Vec3> DirectionSequence::nextGroup(int most) {
     const std::vector<Vec3> group(first.begin(), first.begin() + std::ptrdiff_t(count));
     first.erase(first.begin(), first.begin() + std::ptrdiff_t(count));
     if (first.empty()) groups_.pop_front();
+    left_ -= int(count);
     return group;
 }
 

@@ -39,7 +39,7 @@ class DirectionSequence {
         /// their mean scalar product is -1/(size - 1). Power that is scattered several times within one batch would be
         /// sent back too often (batches of 32: 15 % too little through a slab of optical thickness 5, however many
         /// sweeps), so batches must outgrow the number of sweeps that power stays in the volume.
-        int batch = 32;
+        int batch = 48;
         std::uint64_t seed = 1;
         int groupSize = 1;  ///< directions that are to come in a group, >= 1
         int total = 0;      ///< directions that will be asked for, for a batch to end there; 0: not known
@@ -49,16 +49,20 @@ class DirectionSequence {
     explicit DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf = {});
     /// Directions of one class: up to `groupSize` and up to `most`. Those left over come next.
     std::vector<Vec3> nextGroup(int most);
+    /// Directions that are left of the batch: 0 when it is complete; more than anyone asks for in sets without batches.
+    int leftOfBatch() const { return left_; }
 
   private:
     Vec3 nextOfRecurrence();
     std::size_t nextBatch() const;
     void refill();
+    int classOf(const Vec3& direction) const;
 
     Options options_;
     std::function<int(const Vec3&)> classOf_;
     std::deque<std::vector<Vec3>> groups_;
     std::size_t drawn_ = 0;
+    int left_ = 0;
     std::uint64_t step_ = 0;
     std::mt19937_64 random_;
 };

@@ -87,6 +87,25 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raysweep {
 
+SweptBeams::SweptBeams(const std::vector<Beam>& beams, std::vector<FrontRays>& rays) {
+    for (std::size_t i = 0; i < beams.size(); ++i)
+        (beams[i].front.columnsUp() == beams[0].front.columnsUp() ? along : against).push_back({&beams[i], &rays[i]});
+}
+
+float SweptBeams::mostStepScale() const {
+    float most = 0;
+    for (const auto* beams : {&along, &against})
+        for (const SweptBeam& swept : *beams) most = std::max(most, swept.beam->stepScale);
+    return most;
+}
+
+std::size_t endOfRow(const std::vector<BrickVisit>& visits, std::size_t first) {
+    std::size_t end = first + 1;
+    while (end < visits.size() && visits[end].slice == visits[first].slice && visits[end].row == visits[first].row)
+        ++end;
+    return end;
+}
+
 HWY_EXPORT(settleDispatched);
 HWY_EXPORT(effectiveAlbedosDispatched);
 

@@ -26,8 +26,10 @@
 /// beside its power a ray carries f, the *local furnace*, which is set to radiance 1 where it is outside of solids and
 /// is taken in and attenuated like power inside them. What it leaves behind is the voxel's furnace deposit F.
 ///
-/// Several beams that share an axis go through a brick together. All of them read the U that the brick had before, and
-/// each shoots its part of that: none sees what another has just left there, which would bring it back the way it came.
+/// Several beams that share an axis go through a row of bricks together: first those that meet its bricks in one order,
+/// then, while the row is still in a core's cache, those that meet them in the other. All of them read the U that a
+/// brick had before, and each shoots its part of that: none sees what another has just left there, which would bring it
+/// back the way it came.
 ///
 /// "Outside" has to be told with care, or rays are counted twice (F too large) or not at all. Inside are surface
 /// voxels, and those marked as inside of solids (in bricks that have a surface): a ray set back to 1 there would count
@@ -109,15 +111,28 @@ struct BrickVisit {
     std::uint32_t beyondRow, beyondColumn, beyondBoth;  ///< bricks next to it on the upper side; `linear` only
 };
 
-/// The beams of a sweep and their rays. All have the same axis, and go the same way along each lateral axis.
-struct SweptBeams {
-    const std::vector<Beam>& beams;
-    std::vector<FrontRays>& rays;
-    std::size_t count() const { return beams.size(); }
+/// A beam of a sweep, and its rays.
+struct SweptBeam {
+    const Beam* beam;
+    FrontRays* rays;
 };
 
-/// Takes the rays through bricks, none of which may come before one upwind of it; every voxel meets one ray of each
-/// beam (`nearest`).
+/// The beams of a sweep. All have the same axis, and go the same way along it and along its rows.
+struct SweptBeams {
+    std::vector<SweptBeam> along;    ///< meet the bricks of a row in the order of the visits; never none
+    std::vector<SweptBeam> against;  ///< meet them in the opposite order
+
+    SweptBeams(const std::vector<Beam>& beams, std::vector<FrontRays>& rays);
+    const RayFront& front() const { return along.front().beam->front; }
+    std::size_t count() const { return along.size() + against.size(); }
+    float mostStepScale() const;
+};
+
+/// End of the row of bricks that `visits[first]` begins.
+std::size_t endOfRow(const std::vector<BrickVisit>& visits, std::size_t first);
+
+/// Takes the rays through rows of bricks, no brick before one that is upwind of it for `along`; every voxel meets one
+/// ray of each beam (`nearest`).
 void exchangeNearest(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                      const ExchangeConstants& constants);
 

@@ -201,19 +201,20 @@ HWY_NOINLINE void stepClippedRays(const HandledRays& rays, LinearSlice<kChannels
 }
 
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-HWY_NOINLINE void exchangeSlices(const SweptBeams& swept, const BrickVisit& visit, const ExchangeConstants& constants,
-                                 LinearBrick<kChannels>& brick, LinearSlice<kChannels>& slice) {
-    const RayFront& front = swept.beams[0].front;
+HWY_NOINLINE void exchangeSlices(const std::vector<SweptBeam>& beams, const BrickVisit& visit,
+                                 const ExchangeConstants& constants, LinearBrick<kChannels>& brick,
+                                 LinearSlice<kChannels>& slice) {
+    const RayFront& front = beams.front().beam->front;
     const ExchangeRule rule(constants);
     clear(slice);
     for (int j = 0; j < kBrickEdge; ++j) {
         const int k = visit.slice + j, at = front.ascending ? j : kBrickEdge - 1 - j;
-        const Clip clip = clipToLattice(front, swept.rays[0], visit, k);
+        const Clip clip = clipToLattice(beams.front(), visit, k);
         if (clip.empty()) continue;
-        for (std::size_t b = 0; b < swept.count(); ++b) {
-            const Beam& beam = swept.beams[b];
-            const HandledRays rays{beamSlice(beam, swept.rays[b], visit, k, kSurfaces && brick.furnace), clip,
-                                   Stencil(beam.front, k), brick.firstRow, k};
+        for (const SweptBeam& swept : beams) {
+            const Beam& beam = *swept.beam;
+            const HandledRays rays{beamSlice(swept, visit, k, kSurfaces && brick.furnace), clip, Stencil(beam.front, k),
+                                   brick.firstRow, k};
             findTerms<kChannels, kThinOnly, kSurfaces>(rule, beam, brick, at, slice);
             if (clip.whole())
                 stepRays<kChannels, false>(rays, slice);
@@ -233,18 +234,24 @@ void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visi
                     const ExchangeConstants& constants) {
     LinearBrick<kChannels> brick;
     LinearSlice<kChannels> slice;
-    const float mostScale = mostStepScale(swept);
-    const SweepAxis& axis = swept.beams[0].front.axis;
-    for (const BrickVisit& visit : visits) {
+    const float mostScale = swept.mostStepScale();
+    const SweepAxis& axis = swept.front().axis;
+    const auto pass = [&](const std::vector<SweptBeam>& beams, const BrickVisit& visit) {
         const Quartet quartet(visit);
         fill(axis, quartet, fields, constants, brick);
         if (brick.surfaces)
-            exchangeSlices<kChannels, false, true>(swept, visit, constants, brick, slice);
+            exchangeSlices<kChannels, false, true>(beams, visit, constants, brick, slice);
         else if (brick.thickest * mostScale <= kThin)
-            exchangeSlices<kChannels, true, false>(swept, visit, constants, brick, slice);
+            exchangeSlices<kChannels, true, false>(beams, visit, constants, brick, slice);
         else
-            exchangeSlices<kChannels, false, false>(swept, visit, constants, brick, slice);
+            exchangeSlices<kChannels, false, false>(beams, visit, constants, brick, slice);
         addTaken(axis, quartet, brick, fields);
+    };
+    for (std::size_t first = 0, end = 0; first < visits.size(); first = end) {
+        end = endOfRow(visits, first);
+        for (std::size_t i = first; i < end; ++i) pass(swept.along, visits[i]);
+        if (swept.against.empty()) continue;
+        for (std::size_t i = end; i-- > first;) pass(swept.against, visits[i]);
     }
 }
 

@@ -39,6 +39,7 @@ struct Brick {
     const PackedNormal* normals;  ///< null: no surfaces
     float* furnace;               ///< null: not measured
 
+    Brick() = default;
     Brick(const ExchangeFields& fields, std::size_t b) : tau(fields.tau.brick(b)) {
         for (int c = 0; c < kChannels; ++c) {
             albedo[c] = fields.albedo[c].brick(b);
@@ -65,22 +66,36 @@ struct Exchanged {
     HWY_ALIGN float raysMet[kBrickVoxels];  ///< only where that is not one of each beam
 };
 
-/// What the rays of all beams do in one brick.
-template <int kChannels>
-struct BrickPass {
-    const SweptBeams& swept;
-    const BrickVisit& visit;
-    const ExchangeConstants& constants;
-    float mostScale;  ///< largest step scale of the beams
-    Brick<kChannels> brick, next;
-};
-
 /// The order of slices within a brick.
 template <int kChannels>
 struct SliceView {
     const float* tau;
     const float* unshot[kChannels];
     const PackedNormal* normals;
+};
+
+/// A brick on its way through a sweep.
+template <int kChannels>
+struct VisitedBrick {
+    BrickVisit visit;
+    Brick<kChannels> brick;
+    SliceView<kChannels> view;
+    bool whole;      ///< all its voxels meet a ray of each beam
+    float thickest;  ///< largest tau
+    Exchanged<kChannels> exchanged;
+};
+
+/// Beams that pass a brick after each other.
+struct Passing {
+    const std::vector<SweptBeam>& beams;
+    bool first;  ///< no others have passed it before
+};
+
+/// What is the same for all bricks.
+struct Swept {
+    const SweptBeams& beams;
+    const ExchangeConstants& constants;
+    float mostScale;  ///< largest step scale of the beams
 };
 
 template <class T>
@@ -175,6 +190,7 @@ struct Voxels {
 struct BeamSlices {
     ExchangeRule rule;
     float mostScale;  ///< largest step scale of the beams
+    bool first;       ///< no others have passed the voxels before
     int count;
     BeamSlice beams[kMostBeams];
 };
@@ -218,9 +234,10 @@ HWY_INLINE void exchangeVoxels(const BeamSlices& slices, const SliceView<kChanne
     for (int c = 0; c < kChannels; ++c) {
         voxels.unshot[c] = hn::Load(kLanes, view.unshot[c] + at);
         any = hn::Or(any, voxels.unshot[c]);
-        voxels.in[c] = voxels.out[c] = hn::Zero(kLanes);
+        voxels.in[c] = slices.first ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.in[c] + at);
+        voxels.out[c] = slices.first ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.out[c] + at);
     }
-    voxels.furnace = hn::Zero(kLanes);
+    voxels.furnace = !kSurfaces || slices.first ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.furnace + at);
     // In sparse volumes many voxels are empty: nothing there that could change a ray or be changed by one.
     if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
         voxels.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, slices.rule.part));
@@ -255,19 +272,17 @@ HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannel
     }
 }
 
-/// The rays of all beams go through the eight slices of a brick.
+/// The rays of beams go through the eight slices of a brick.
 template <int kChannels, bool kThinOnly, bool kSurfaces>
-void exchangeSlices(const BrickPass<kChannels>& pass, const SliceView<kChannels>& view,
-                    Exchanged<kChannels>& exchanged) {
-    const SweptBeams& swept = pass.swept;
-    const RayFront& front = swept.beams[0].front;
-    BeamSlices slices{ExchangeRule(pass.constants), pass.mostScale, int(swept.count()), {}};
+void exchangeSlices(const Swept& swept, const Passing& passing, const Brick<kChannels>& next,
+                    VisitedBrick<kChannels>& visited) {
+    const RayFront& front = swept.beams.front();
+    BeamSlices slices{ExchangeRule(swept.constants), swept.mostScale, passing.first, int(passing.beams.size()), {}};
     for (int j = 0; j < kBrickEdge; ++j) {
-        prefetchEighth(pass.brick, pass.next, j);
-        const int k = pass.visit.slice + j;
+        prefetchEighth(visited.brick, next, j);
+        const int k = visited.visit.slice + j;
         for (int b = 0; b < slices.count; ++b)
-            slices.beams[b] =
-                beamSlice(swept.beams[std::size_t(b)], swept.rays[std::size_t(b)], pass.visit, k, pass.brick.furnace);
+            slices.beams[b] = beamSlice(passing.beams[std::size_t(b)], visited.visit, k, visited.brick.furnace);
         const int slice = front.ascending ? j : kBrickEdge - 1 - j;
         int at = slice * front.axis.sliceStride;
         for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
@@ -277,7 +292,7 @@ void exchangeSlices(const BrickPass<kChannels>& pass, const SliceView<kChannels>
                 voxels.lane = lane;
                 voxels.slice = k;
                 voxels.at = at + lane;
-                exchangeVoxels<kChannels, kThinOnly, kSurfaces>(slices, view, voxels, exchanged);
+                exchangeVoxels<kChannels, kThinOnly, kSurfaces>(slices, visited.view, voxels, visited.exchanged);
             }
     }
 }
@@ -308,43 +323,65 @@ HWY_INLINE void bookExchange(const Brick<kChannels>& brick, int beams, bool clip
     }
 }
 
+/// Makes a brick ready for beams.
 template <int kChannels>
-HWY_INLINE void exchangeBrick(const BrickPass<kChannels>& pass, Exchanged<kChannels>& exchanged) {
-    const Brick<kChannels>& brick = pass.brick;
-    const RayFront& front = pass.swept.beams[0].front;
-    const SweepAxis& axis = front.axis;
-    const float thickest = findEscape(pass.constants, brick.tau, exchanged.inverseEscape);
-    SliceView<kChannels> view = viewSlices(axis, brick, exchanged);
-    const BrickClip clips(pass.swept, pass.visit);
-    if (!clips.whole) clipSlices(front, clips, view, exchanged);
-    if (brick.normals)
-        exchangeSlices<kChannels, false, true>(pass, view, exchanged);
-    else if (thickest * pass.mostScale <= kThin)
-        exchangeSlices<kChannels, true, false>(pass, view, exchanged);
+HWY_INLINE void begin(const Swept& swept, const ExchangeFields& fields, const BrickVisit& visit,
+                      VisitedBrick<kChannels>& visited) {
+    const RayFront& front = swept.beams.front();
+    visited.visit = visit;
+    visited.brick = Brick<kChannels>(fields, visit.brick);
+    visited.thickest = findEscape(swept.constants, visited.brick.tau, visited.exchanged.inverseEscape);
+    visited.view = viewSlices(front.axis, visited.brick, visited.exchanged);
+    const BrickClip clips(swept.beams.along.front(), visit);
+    visited.whole = clips.whole;
+    if (!clips.whole) clipSlices(front, clips, visited.view, visited.exchanged);
+}
+
+/// @param next the brick that comes next
+template <int kChannels>
+HWY_INLINE void pass(const Swept& swept, const Passing& passing, const Brick<kChannels>& next,
+                     VisitedBrick<kChannels>& visited) {
+    if (visited.brick.normals)
+        exchangeSlices<kChannels, false, true>(swept, passing, next, visited);
+    else if (visited.thickest * swept.mostScale <= kThin)
+        exchangeSlices<kChannels, true, false>(swept, passing, next, visited);
     else
-        exchangeSlices<kChannels, false, false>(pass, view, exchanged);
-    if (axis.transposed) {
+        exchangeSlices<kChannels, false, false>(swept, passing, next, visited);
+}
+
+/// Brings a brick up to date that all beams have passed.
+template <int kChannels>
+HWY_INLINE void end(const Swept& swept, VisitedBrick<kChannels>& visited) {
+    Exchanged<kChannels>& exchanged = visited.exchanged;
+    if (swept.beams.front().axis.transposed) {
         turn(exchanged.inverseEscape);
         for (int c = 0; c < kChannels; ++c) {
             turn(exchanged.in[c]);
             turn(exchanged.out[c]);
         }
-        if (brick.furnace) turn(exchanged.furnace);
-        if (!clips.whole) turn(exchanged.raysMet);
+        if (visited.brick.furnace) turn(exchanged.furnace);
+        if (!visited.whole) turn(exchanged.raysMet);
     }
-    bookExchange<kChannels>(brick, int(pass.swept.count()), !clips.whole, exchanged);
+    bookExchange<kChannels>(visited.brick, int(swept.beams.count()), !visited.whole, exchanged);
 }
 
 template <int kChannels>
-void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
-                    const ExchangeConstants& constants) {
-    Exchanged<kChannels> exchanged;
-    const float mostScale = mostStepScale(swept);
-    for (std::size_t i = 0; i < visits.size(); ++i) {
-        const BrickVisit& next = visits[std::min(i + 1, visits.size() - 1)];
-        const BrickPass<kChannels> pass{
-            swept, visits[i], constants, mostScale, {fields, visits[i].brick}, {fields, next.brick}};
-        exchangeBrick(pass, exchanged);
+void exchangeVisits(const Swept& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields) {
+    const Passing along{swept.beams.along, true}, against{swept.beams.against, false};
+    std::vector<VisitedBrick<kChannels>> row(1);
+    for (std::size_t first = 0, last = 0; first < visits.size(); first = last) {
+        last = against.beams.empty() ? first + 1 : endOfRow(visits, first);
+        if (row.size() < last - first) row.resize(last - first);
+        for (std::size_t i = first; i < last; ++i) {
+            VisitedBrick<kChannels>& visited = row[i - first];
+            begin(swept, fields, visits[i], visited);
+            pass(swept, along, {fields, visits[std::min(i + 1, visits.size() - 1)].brick}, visited);
+        }
+        for (std::size_t i = last; i-- > first;) {
+            VisitedBrick<kChannels>& visited = row[i - first];
+            if (!against.beams.empty()) pass(swept, against, visited.brick, visited);
+            end(swept, visited);
+        }
     }
 }
 
@@ -352,8 +389,8 @@ void exchangeVisits(const SweptBeams& swept, const std::vector<BrickVisit>& visi
 
 void nearestDispatched(const SweptBeams& beams, const std::vector<BrickVisit>& visits, const ExchangeFields& fields,
                        const ExchangeConstants& constants) {
-    fields.channels == 1 ? exchangeVisits<1>(beams, visits, fields, constants)
-                         : exchangeVisits<3>(beams, visits, fields, constants);
+    const Swept swept{beams, constants, beams.mostStepScale()};
+    fields.channels == 1 ? exchangeVisits<1>(swept, visits, fields) : exchangeVisits<3>(swept, visits, fields);
 }
 
 }  // namespace HWY_NAMESPACE

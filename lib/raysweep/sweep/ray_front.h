@@ -45,6 +45,9 @@ struct RayFront {
     int reach = 0;            ///< voxels met beyond the one at the shift: 0 nearest, 1 linear
     bool periodic = false;    ///< the volume repeats along the sweep's axis, too: rays go from its end to its beginning
 
+    bool rowsUp() const { return row.slope >= 0; }        ///< rows of bricks are met in ascending order
+    bool columnsUp() const { return column.slope >= 0; }  ///< and so are the bricks of a row
+
     /// Number, in the order of travel, of the first slice met of the brick that begins at `brickLow`.
     int sliceNumber(int brickLow) const {
         return ascending ? brickLow - firstSlice : firstSlice - (brickLow + kBrickEdge - 1);

@@ -43,7 +43,7 @@ std::vector<RaySums> sweepThrough(const Swept& what, const std::vector<Beam>& be
     });
 
     const Wavefront wavefront(what.volume, front, index, linear);
-    const SweptBeams swept{beams, rays};
+    const SweptBeams swept(beams, rays);
     parallelWavefront(wavefront.slabs(), wavefront.strips(), [&](int slab, int strip) {
         const FlushDenormals flush;  // rays deep in smoke fade into them: they would cost half the time
         const std::vector<BrickVisit> visits = wavefront.visits(slab, strip);
@@ -103,7 +103,7 @@ std::vector<RaySums> sweep(const SweepVolume& volume, const std::vector<Beam>& b
     const RayFront& first = beams.at(0).front;
     for (const Beam& beam : beams)
         if (beam.front.directionClass != first.directionClass)
-            throw InvalidArgument("the beams of a sweep must go the same way along every axis");
+            throw InvalidArgument("the beams of a sweep must go the same way along its axis and its rows");
     if (beams.size() > kMostBeams || (beams.size() > 1 && isPeriodic(volume.periodic)))
         throw InvalidArgument("a sweep takes at most " + std::to_string(kMostBeams) +
                               " beams, and one in a periodic volume");

@@ -70,8 +70,8 @@ Wavefront::Wavefront(const SweepVolume& volume, const RayFront& front, const Bri
       front_(front),
       index_(index),
       withNeighbours_(withNeighbours),
-      rowsUp_(front.row.slope >= 0),
-      columnsUp_(front.column.slope >= 0) {
+      rowsUp_(front.rowsUp()),
+      columnsUp_(front.columnsUp()) {
     slabs_ = cut(index.countByLayer());
     strips_ = cut(front.row.periodic ? withImages(front, index.countByRow()) : index.countByRow());
 }

@@ -14,12 +14,13 @@ struct SweepVolume;
 
 class Wavefront {
   public:
-    /// @param front of any of the beams  @param index with margins, if `withNeighbours`
+    /// @param front of a beam whose way along the columns that of visits is to be  @param index with margins, if
+    /// `withNeighbours`
     Wavefront(const SweepVolume& volume, const RayFront& front, const BrickIndex& index, bool withNeighbours);
 
     int slabs() const { return int(slabs_.size()) - 1; }
     int strips() const { return int(strips_.size()) - 1; }
-    /// The bricks of a cell in the order of travel: layers, rows, columns.
+    /// The bricks of a cell in the order of travel: layers, rows, columns. A row of bricks is whole.
     std::vector<BrickVisit> visits(int slab, int strip) const;
 
   private:

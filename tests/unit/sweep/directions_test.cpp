@@ -1,10 +1,13 @@
 #include "raysweep/sweep/directions.h"
 
+#include "raysweep/sweep/axis.h"
 #include "support/worst.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 using namespace raysweep;
 
@@ -100,4 +103,28 @@ TEST(Directions, AreTheSameForTheSameSeed) {
 
 TEST(Directions, BatchesOfOneWork) {
     EXPECT_LE(unevenness(draw(DirectionSet::fibonacci, 1, 1, 40000)), 0.02);
+}
+
+// The fewer groups, the fewer times a volume is read; and what lies in one class is spread over its groups.
+TEST(Directions, ABatchMakesAsFewGroupsAsItCanAllOfAboutOneSize) {
+    constexpr int kMost = 8;
+    DirectionSequence sequence({DirectionSet::fibonacci, 48, 5, kMost}, directionClass);
+    for (const int batch : {48, 48, 96, 192}) {
+        std::vector<std::size_t> sizes[kDirectionClasses];
+        std::vector<Vec3> all;
+        do {
+            const std::vector<Vec3> group = sequence.nextGroup(kMost);
+            for (const Vec3& direction : group) EXPECT_EQ(directionClass(direction), directionClass(group[0]));
+            sizes[directionClass(group[0])].push_back(group.size());
+            all.insert(all.end(), group.begin(), group.end());
+        } while (sequence.leftOfBatch() > 0);
+        ASSERT_EQ(all.size(), std::size_t(batch));
+        EXPECT_LE(unevenness(all), 1.0 / batch);
+        for (const std::vector<std::size_t>& of : sizes) {
+            ASSERT_FALSE(of.empty());
+            const std::size_t members = std::accumulate(of.begin(), of.end(), std::size_t(0));
+            EXPECT_EQ(of.size(), (members + kMost - 1) / kMost);
+            EXPECT_LE(*std::max_element(of.begin(), of.end()), *std::min_element(of.begin(), of.end()) + 1);
+        }
+    }
 }
