@@ -130,9 +130,9 @@ Cameras camerasFromText(const std::string& text) {
 
 /// What is left of `text` behind so many words: names may have spaces in them.
 std::string behindWords(const std::string& text, int words) {
-    std::size_t at = text.find_first_not_of(" \t");
-    for (int n = 0; n < words; ++n) at = text.find_first_not_of(" \t", text.find_first_of(" \t", at));
-    return text.substr(at, text.find_last_not_of(" \t") + 1 - at);
+    std::size_t at = text.find_first_not_of(kBlanks);
+    for (int n = 0; n < words; ++n) at = text.find_first_not_of(kBlanks, text.find_first_of(kBlanks, at));
+    return text.substr(at, text.find_last_not_of(kBlanks) + 1 - at);
 }
 
 ColmapImage imageOf(const std::string& line) {

@@ -51,7 +51,7 @@ bool isOfColmap(const fs::path& file) {
 }
 
 Poses posesOfText(const std::string& text, const PictureFolders& folders, const std::optional<CameraAxes>& axes) {
-    const std::size_t start = text.find_first_not_of(" \t\r\n");
+    const std::size_t start = text.find_first_not_of(kBlanks);
     if (start == std::string::npos) throw IoError("there is nothing in it; give " + std::string(kGivePoses));
     if (text.find('\0') != std::string::npos) throw IoError("it is no text; give " + std::string(kGivePoses));
     if (text[start] == '{') return posesFromTransforms(text, folders, axes.value_or(CameraAxes::openGl));

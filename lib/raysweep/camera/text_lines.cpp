@@ -21,7 +21,7 @@ std::vector<TextLine> linesOf(const std::string& text) {
 std::vector<TextLine> meantLinesOf(const std::string& text) {
     std::vector<TextLine> meant;
     for (const TextLine& line : linesOf(text)) {
-        const std::size_t start = line.text.find_first_not_of(" \t");
+        const std::size_t start = line.text.find_first_not_of(kBlanks);
         if (start != std::string::npos && line.text[start] != '#') meant.push_back(line);
     }
     return meant;

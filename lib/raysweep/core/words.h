@@ -6,7 +6,10 @@
 
 namespace raysweep {
 
-/// Parts of `text` between spaces, tabs and ends of lines.
+/// What is between words.
+constexpr const char* kBlanks = " \t\n\v\f\r";
+
+/// Parts of `text` between blanks.
 inline std::vector<std::string> wordsOf(const std::string& text) {
     std::istringstream in(text);
     std::vector<std::string> words;

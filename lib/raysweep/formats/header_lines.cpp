@@ -71,7 +71,6 @@ void HeaderLines::fail(const std::string& why) const {
 }
 
 std::string trimmed(const std::string& text) {
-    constexpr const char* kBlanks = " \t\r\f\v";
     const std::size_t first = text.find_first_not_of(kBlanks);
     return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
 }

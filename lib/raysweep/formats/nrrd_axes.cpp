@@ -56,7 +56,7 @@ class Field {
     /// "(1,0,0) none (0,1,0)"; nothing for "none".
     std::vector<std::optional<std::vector<double>>> vectors() const {
         std::vector<std::optional<std::vector<double>>> found;
-        for (std::size_t at = 0; (at = text_.find_first_not_of(" \t", at)) != std::string::npos;) {
+        for (std::size_t at = 0; (at = text_.find_first_not_of(kBlanks, at)) != std::string::npos;) {
             if (text_.compare(at, 4, "none") == 0) {
                 found.emplace_back();
                 at += 4;
