@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 
@@ -77,9 +78,11 @@ void addPerspectiveOptions(CLI::App& app, MachineArguments& a) {
 std::optional<cube4::NumberFormat> parseFormat(const MachineArguments& a) {
     if (a.format == "float") return std::nullopt;
     constexpr int kMost = 5;
+    constexpr double kMostBits = 64;
     std::vector<int> bits;
     for (const double value : parseNumbers(a.format, "--format", 1, kMost, "float, 16 or 16,16,12,12")) {
-        if (value != double(int(value))) usageError("--format", "widths are whole numbers of bits");
+        if (value != std::floor(value) || std::abs(value) > kMostBits)
+            usageError("--format", "widths are whole numbers of at most 64 bits");
         bits.push_back(int(value));
     }
     cube4::NumberFormat format;

@@ -121,6 +121,7 @@ refuse 2 "give light" illuminate cloud.vdb -o out/a.vdb
 refuse 2 "--extinction" illuminate cloud.vdb -o out/a.vdb --sky 1 --extinction nan
 refuse 2 "--max-voxels" illuminate cloud.vdb -o out/a.vdb --sky 1 --max-voxels -1
 refuse 2 "--format" illuminate cloud.vdb -o out/a.vdb --format double
+refuse 2 "--format: widths" illuminate cloud.vdb -o out/a.vdb --format 1e20
 refuse 2 "--format: energy 3: must be 4 to 31 bits" illuminate cloud.vdb -o out/a.vdb --format 16,3,12,12
 refuse 2 "give one width" illuminate cloud.vdb -o out/a.vdb --format 16,12
 refuse 1 "has more than 1000 voxels" illuminate cloud.vdb -o out/a.vdb --sky 1 --max-voxels 1000

@@ -71,7 +71,7 @@ PictureLayout layoutOfImageJ(const std::string& path, const std::string& descrip
         layout.rescaling.slope = number("c1", 1);
     } else if (function != kNone) {
         throw InvalidArgument("'" + path + "' has a calibration that is no straight line (ImageJ's function " +
-                              std::to_string(int(function)) + "); apply it in ImageJ first");
+                              lines.at("cf").substr(0, 60) + "); apply it in ImageJ first");
     }
     const auto place = lines.find("raysweep_place"), unit = lines.find("unit");
     if (place != lines.end()) {
