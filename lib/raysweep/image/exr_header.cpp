@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <string>
 
 namespace raysweep {
@@ -17,6 +18,33 @@ constexpr std::int32_t kSeveralParts = 0x1000;  ///< flag beside the version
 [[noreturn]] void failDamaged(const std::string& path, const std::string& what) {
     failToRead(path, what + "; it is damaged");
 }
+
+/// Types of which OpenEXR reads these many bytes, whatever their length is said to be: what follows would be taken for
+/// something else there than here.
+const std::map<std::string, std::int64_t> kFixedLengths = {{"box2i", 16},
+                                                           {"box2f", 16},
+                                                           {"chromaticities", 32},
+                                                           {"compression", 1},
+                                                           {"deepImageState", 1},
+                                                           {"double", 8},
+                                                           {"envmap", 1},
+                                                           {"float", 4},
+                                                           {"int", 4},
+                                                           {"keycode", 28},
+                                                           {"lineOrder", 1},
+                                                           {"m33f", 36},
+                                                           {"m33d", 72},
+                                                           {"m44f", 64},
+                                                           {"m44d", 128},
+                                                           {"rational", 8},
+                                                           {"tiledesc", 9},
+                                                           {"timecode", 8},
+                                                           {"v2i", 8},
+                                                           {"v2f", 8},
+                                                           {"v2d", 16},
+                                                           {"v3i", 12},
+                                                           {"v3f", 12},
+                                                           {"v3d", 24}};
 
 class Reader {
   public:
@@ -57,6 +85,12 @@ class Reader {
     }
 
     std::int64_t place() { return file_.tellg(); }
+    void goTo(std::int64_t place) { file_.seekg(place); }
+
+    void requireAt(std::int64_t end, const std::string& type) {
+        if (place() != end)
+            failDamaged(path_, "its header has a value of type " + type + " that is not as long as it says");
+    }
 
     void requireMore(std::int64_t bytes) {
         if (!file_ || bytes < 0 || bytes > length_ - place()) failDamaged(path_, "its header is longer than the file");
@@ -73,17 +107,27 @@ struct Part {
     int linesOfChunk = 1;
 };
 
-/// Lists hold lengths of their own: of strings, and of a picture.
-void checkInside(Reader& file, const std::string& type, std::int64_t length) {
+/// Passes over a value as OpenEXR does: by what is in it, where that says how long it is.
+void passValue(Reader& file, const std::string& type, std::int64_t length) {
     const std::int64_t end = file.place() + length;
-    if (type == "stringvector")
+    const auto fixed = kFixedLengths.find(type);
+    if (fixed != kFixedLengths.end()) {
+        file.skip(fixed->second);
+    } else if (type == "chlist") {
+        constexpr std::int64_t kChannel = 16;
+        while (!file.text().empty()) file.skip(kChannel);
+    } else if (type == "stringvector") {
         while (file.place() < end) file.skip(file.integer());
-    if (type == "preview" && length >= 8) {
+    } else if (type == "preview") {
         const std::int64_t width = std::uint32_t(file.integer()), height = std::uint32_t(file.integer());
         if (width > 0 && height > (1 << 30) / width) file.requireMore(-1);
-        file.requireMore(4 * width * height);
+        file.skip(4 * width * height);
+    } else if (type == "floatvector") {
+        file.skip(length - length % 4);
+    } else {
+        file.skip(length);
     }
-    file.skip(end - file.place());
+    file.requireAt(end, type);
 }
 
 /// By the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
@@ -96,6 +140,7 @@ void readAttribute(Reader& file, Part& part) {
     const std::string name = file.text(), type = file.text();
     const std::int64_t length = file.integer();
     file.requireMore(length);
+    const std::int64_t begin = file.place();
     if (name == "dataWindow" && length == 16) {
         const std::int64_t left = file.integer(), top = file.integer();
         part.width = file.integer() - left + 1;
@@ -103,14 +148,13 @@ void readAttribute(Reader& file, Part& part) {
     } else if (name == "tiles" && length == 9) {
         part.tileWidth = std::uint32_t(file.integer());
         part.tileHeight = std::uint32_t(file.integer());
-        file.skip(1);
     } else if (name == "compression" && length == 1) {
         part.linesOfChunk = linesOfChunk(file.byte());
     } else if (name == "chunkCount" && length == 4) {
         part.chunks = file.integer();
-    } else {
-        checkInside(file, type, length);
     }
+    file.goTo(begin);
+    passValue(file, type, length);
 }
 
 std::int64_t parts(std::int64_t whole, std::int64_t part) {
