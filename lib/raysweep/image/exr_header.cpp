@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::int32_t kSeveralParts = 0x1000;  ///< flag beside the version
 
-[[noreturn]] void failDamaged(const std::string& path, const std::string& what) {
-    failToRead(path, what + "; it is damaged");
-}
-
 /// Types of which OpenEXR reads these many bytes, whatever their length is said to be: what follows would be taken for
 /// something else there than here.
 const std::map<std::string, std::int64_t> kFixedLengths = {{"box2i", 16},
@@ -52,6 +48,8 @@ class Reader {
         length_ = file_.tellg();
         file_.seekg(0);
     }
+
+    [[noreturn]] void fail(const std::string& what) const { failToRead(path_, what + "; it is damaged"); }
 
     std::string text() {
         std::string text;
@@ -88,12 +86,11 @@ class Reader {
     void goTo(std::int64_t place) { file_.seekg(place); }
 
     void requireAt(std::int64_t end, const std::string& type) {
-        if (place() != end)
-            failDamaged(path_, "its header has a value of type " + type + " that is not as long as it says");
+        if (place() != end) fail("its header has a value of type " + type + " that is not as long as it says");
     }
 
     void requireMore(std::int64_t bytes) {
-        if (!file_ || bytes < 0 || bytes > length_ - place()) failDamaged(path_, "its header is longer than the file");
+        if (!file_ || bytes < 0 || bytes > length_ - place()) fail("its header is longer than the file");
     }
 
   private:
@@ -114,8 +111,14 @@ void passValue(Reader& file, const std::string& type, std::int64_t length) {
     if (fixed != kFixedLengths.end()) {
         file.skip(fixed->second);
     } else if (type == "chlist") {
-        constexpr std::int64_t kChannel = 16;
-        while (!file.text().empty()) file.skip(kChannel);
+        constexpr int kPixelTypes = 3;
+        constexpr std::int64_t kRest = 12;
+        while (!file.text().empty()) {
+            const int samples = file.integer();
+            if (samples < 0 || samples >= kPixelTypes)
+                file.fail("its header has a channel of a type that is not known");
+            file.skip(kRest);
+        }
     } else if (type == "stringvector") {
         while (file.place() < end) file.skip(file.integer());
     } else if (type == "preview") {
@@ -180,7 +183,7 @@ void requireSoundExrHeader(const std::string& path) {
         while (!file.atEndOfHeader()) readAttribute(file, part);
         chunks += fewestChunks(part);
     } while (several && !file.atEndOfHeader());
-    if (chunks * 8 > 1e15) failDamaged(path, "it claims to have more pixels than a file of its size can hold");
+    if (chunks * 8 > 1e15) file.fail("it claims to have more pixels than a file of its size can hold");
     file.requireMore(std::int64_t(chunks * 8));
 }
 
