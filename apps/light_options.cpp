@@ -108,7 +108,7 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
                    "is behind it is opaque, (0,1]")
         ->capture_default_str();
     app.add_option("--tolerance", a.tolerance,
-                   "Stop when 20 sweeps change the answer by less than this part (RMS of radiosity); 0: never "
+                   "Stop when 20 sweeps or more change the answer by less than this part (RMS of radiosity); 0: never "
                    "(default: 0.01)")
         ->type_name("T");
     app.add_option(

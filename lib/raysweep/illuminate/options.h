@@ -35,8 +35,8 @@ struct IlluminateOptions {
     /// over directions); K is the most that may, see `beams`. (0,1]. Not given: 0.1 with a coarse start (0.2 where
     /// voxels are thick), else 0.5. (Paper: K = 1 and 0.1, which from the dark needs ten times as many sweeps.)
     std::optional<double> zeta;
-    /// Stop when the RMS difference of radiosity between estimates 20 sweeps apart, relative to its RMS, is below this
-    /// (paper, section 2.2, with delta i = 20); 0: never. >= 0.
+    /// Stop when the RMS difference of radiosity between estimates 20 sweeps or more apart, relative to its RMS, is below
+    /// this (paper, section 2.2, with delta i = 20); 0: never. >= 0. See convergence.h.
     double tolerance = 0.01;
     /// Most sweeps in which power is injected; with tolerance 0 the exact number; 0: direct light only. >= 0.
     int sweeps = 10000;
@@ -55,7 +55,7 @@ struct IlluminateOptions {
     /// long again), and what is under way at the end is settled there, if `remaining` is `shoot`. Not so with this.
     bool darkStart = false;
     /// Directions that pass a brick together, reading the same unshot power, 0 to 8: quicker for each, a little worse
-    /// as a sample. 0: 4 with a coarse start, if voxels are thin, else 1. Always 1 in periodic volumes, and of
+    /// as a sample. 0: 8 with a coarse start, if voxels are thin, else 1. Always 1 in periodic volumes, and of
     /// directions that are not `fibonacci`.
     int beams = 0;
     std::uint64_t seed = 1;                  ///< of directions and offsets; the same seed gives the same bits

@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kLookInterval = 20;   ///< the paper's delta i: sweeps between estimates that are compared
 constexpr int kFewestSweeps = 40;   ///< two estimates at least
+constexpr int kFewGroups = 6;       ///< of directions
 constexpr int kFoldInterval = 160;  ///< sweeps whose deposits floats add up without losing much
 constexpr int kFinishInterval = 4;  ///< finishing sweeps between looks at what is left
 constexpr int kCoarseSweeps = 40;
@@ -119,7 +120,7 @@ class Solver {
         sweepWhiteFurnace(state_, std::move(beams), options_.interpolation, constants(), false);
     }
 
-    int leftOfBatch() const { return directions_.leftOfBatch(); }
+    const DirectionSequence& directions() const { return directions_; }
 
     ExchangeConstants constants() const { return exchangeConstants(state_, zeta_, mostBeams_); }
     /// Part of the unshot power of a voxel that a beam shoots, on average over directions.
@@ -199,11 +200,13 @@ int sweepsToNextStop(int n, const IlluminateOptions& options) {
     return options.snapshotEvery > 0 ? std::min(most, options.snapshotEvery - n % options.snapshotEvery) : most;
 }
 
-/// An estimate is good when a batch of directions is complete, so it is looked at then, unless it has just been, and not
-/// shortly before.
-bool isTimeToLook(int sweeps, int leftOfBatch) {
-    return sweeps >= (leftOfBatch == 0 ? kLookInterval / 2 : kLookInterval) &&
-           (leftOfBatch == 0 || leftOfBatch >= kLookInterval / 2);
+/// An estimate is good when a batch of directions is complete, so it is looked at then, unless it just has been, and
+/// not shortly before. Within a batch of a few groups it says little: only the first look, which needs no good one, is
+/// there.
+/// @param sweeps since the last look  @param batch,left directions of the batch, and those that are left of it
+bool isTimeToLook(int sweeps, bool first, int batch, int left) {
+    if (left == 0) return sweeps >= kLookInterval / 2;
+    return sweeps >= kLookInterval && left >= kLookInterval / 2 && (first || batch > kFewGroups * kMostBeams);
 }
 
 /// Sweeps until the estimate stands still. @return how it ended
@@ -214,7 +217,7 @@ Termination iterate(Solver& solver, SolverState& state, const SweepJob& job, std
     while (state.power.injections < options.sweeps) {
         solver.sweepNext(Inject::everything, sweepsToNextStop(state.power.injections, options));
         const int n = state.power.injections;
-        if (isTimeToLook(n - looked, solver.leftOfBatch())) {
+        if (isTimeToLook(n - looked, looked == 0, solver.directions().batch(), solver.directions().left())) {
             const double rms = accumulateAndMeasureChange(state, n - std::exchange(looked, n));
             history.push_back({n, rms, solver.unshotShare()});
             if (n - folded >= kFoldInterval) {

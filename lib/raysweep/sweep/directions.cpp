@@ -46,7 +46,7 @@ Matrix3 randomRotation(std::mt19937_64& random) {
 
 DirectionSequence::DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf)
     : options_(options), classOf_(std::move(classOf)), random_(options.seed) {
-    if (options.set != DirectionSet::fibonacci) left_ = std::numeric_limits<int>::max();
+    if (options.set != DirectionSet::fibonacci) batch_ = left_ = std::numeric_limits<int>::max();
 }
 
 /// As large as all before. An estimate is good when a batch is complete: if it is known where the last one ends, it
@@ -63,7 +63,7 @@ void DirectionSequence::refill() {
     const std::size_t size = nextBatch();
     std::vector<Vec3> shuffled = sphericalFibonacci(int(size));
     drawn_ += size;
-    left_ = int(size);
+    batch_ = left_ = int(size);
     // Fisher-Yates by hand: std::shuffle is not the same on every platform.
     for (std::size_t i = shuffled.size() - 1; i > 0; --i)
         std::swap(shuffled[i], shuffled[std::size_t(uniform01(random_) * double(i + 1))]);

@@ -49,8 +49,10 @@ class DirectionSequence {
     explicit DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf = {});
     /// Directions of one class: up to `groupSize` and up to `most`. Those left over come next.
     std::vector<Vec3> nextGroup(int most);
-    /// Directions that are left of the batch: 0 when it is complete; more than anyone asks for in sets without batches.
-    int leftOfBatch() const { return left_; }
+    /// Directions of the batch, and those that are left of it: 0 when it is complete. Sets without batches are one that
+    /// has no end.
+    int batch() const { return batch_; }
+    int left() const { return left_; }
 
   private:
     Vec3 nextOfRecurrence();
@@ -62,7 +64,7 @@ class DirectionSequence {
     std::function<int(const Vec3&)> classOf_;
     std::deque<std::vector<Vec3>> groups_;
     std::size_t drawn_ = 0;
-    int left_ = 0;
+    int batch_ = 0, left_ = 0;
     std::uint64_t step_ = 0;
     std::mt19937_64 random_;
 };

@@ -85,12 +85,6 @@ struct VisitedBrick {
     Exchanged<kChannels> exchanged;
 };
 
-/// Beams that pass a brick after each other.
-struct Passing {
-    const std::vector<SweptBeam>& beams;
-    bool first;  ///< no others have passed it before
-};
-
 /// What is the same for all bricks.
 struct Swept {
     const SweptBeams& beams;
@@ -190,7 +184,6 @@ struct Voxels {
 struct BeamSlices {
     ExchangeRule rule;
     float mostScale;  ///< largest step scale of the beams
-    bool first;       ///< no others have passed the voxels before
     int count;
     BeamSlice beams[kMostBeams];
 };
@@ -225,7 +218,8 @@ HWY_INLINE void meetBeams(const BeamSlices& slices, const VoxelSurfaces& surface
 
 /// Reads voxels, exchanges, and notes what was exchanged. In a brick that has surfaces most voxels have none, and are
 /// treated as those of other bricks.
-template <int kChannels, bool kThinOnly, bool kSurfaces>
+/// `kFirst`: no beams have passed the voxels before.
+template <int kChannels, bool kThinOnly, bool kSurfaces, bool kFirst>
 HWY_INLINE void exchangeVoxels(const BeamSlices& slices, const SliceView<kChannels>& view, Voxels<kChannels>& voxels,
                                Exchanged<kChannels>& exchanged) {
     const int at = voxels.at;
@@ -234,10 +228,10 @@ HWY_INLINE void exchangeVoxels(const BeamSlices& slices, const SliceView<kChanne
     for (int c = 0; c < kChannels; ++c) {
         voxels.unshot[c] = hn::Load(kLanes, view.unshot[c] + at);
         any = hn::Or(any, voxels.unshot[c]);
-        voxels.in[c] = slices.first ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.in[c] + at);
-        voxels.out[c] = slices.first ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.out[c] + at);
+        voxels.in[c] = kFirst ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.in[c] + at);
+        voxels.out[c] = kFirst ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.out[c] + at);
     }
-    voxels.furnace = !kSurfaces || slices.first ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.furnace + at);
+    voxels.furnace = !kSurfaces || kFirst ? hn::Zero(kLanes) : hn::Load(kLanes, exchanged.furnace + at);
     // In sparse volumes many voxels are empty: nothing there that could change a ray or be changed by one.
     if (!hn::AllTrue(kLanes, hn::Eq(any, hn::Zero(kLanes)))) {
         voxels.shotPart = hn::Mul(hn::Load(kLanes, exchanged.inverseEscape + at), hn::Set(kLanes, slices.rule.part));
@@ -258,31 +252,62 @@ HWY_INLINE void exchangeVoxels(const BeamSlices& slices, const SliceView<kChanne
     if (kSurfaces) hn::Store(voxels.furnace, kLanes, exchanged.furnace + at);
 }
 
-/// Asks for an eighth of the brick that comes next: it will be here when its turn comes.
-template <int kChannels>
-HWY_INLINE void prefetchEighth(const Brick<kChannels>& now, const Brick<kChannels>& next, int j) {
-    constexpr int kEighth = kBrickVoxels / kBrickEdge, kLine = 16;
-    for (int i = j * kEighth; i < (j + 1) * kEighth; i += kLine) {
-        hwy::Prefetch(next.tau + i);
-        for (int c = 0; c < kChannels; ++c) {
-            hwy::Prefetch(next.unshot[c] + i);
-            hwy::Prefetch(next.deposit[c] + i);
-            if (next.source[c] != now.source[c]) hwy::Prefetch(next.source[c] + i);
-        }
+/// What a core is asked for while it is busy with a brick: it will be here when its turn comes.
+class Prefetched {
+  public:
+    /// 512 values.
+    void add(const void* values) { all_[count_++] = static_cast<const char*>(values); }
+    /// Asks for an eighth of them.
+    HWY_INLINE void ask(int eighth) const {
+        constexpr int kEighth = kBrickVoxels * int(sizeof(float)) / kBrickEdge, kLine = 64;
+        for (int i = eighth * kEighth; i < (eighth + 1) * kEighth; i += kLine)
+            for (int n = 0; n < count_; ++n) hwy::Prefetch(all_[n] + i);
     }
+
+  private:
+    const char* all_[2 + 4 * kMaxChannels];
+    int count_ = 0;
+};
+
+/// Of a brick that beams come to.
+template <int kChannels>
+Prefetched fieldsOf(const Brick<kChannels>& brick, bool hasSource) {
+    Prefetched fields;
+    fields.add(brick.tau);
+    for (int c = 0; c < kChannels; ++c) {
+        fields.add(brick.unshot[c]);
+        fields.add(brick.deposit[c]);
+        if (hasSource) fields.add(brick.source[c]);
+    }
+    return fields;
+}
+
+/// Of a brick that some have passed.
+template <int kChannels>
+Prefetched exchangeOf(const VisitedBrick<kChannels>& visited) {
+    Prefetched fields;
+    fields.add(visited.view.tau);
+    fields.add(visited.exchanged.inverseEscape);
+    for (int c = 0; c < kChannels; ++c) {
+        fields.add(visited.view.unshot[c]);
+        fields.add(visited.exchanged.in[c]);
+        fields.add(visited.exchanged.out[c]);
+        fields.add(visited.brick.deposit[c]);
+    }
+    return fields;
 }
 
 /// The rays of beams go through the eight slices of a brick.
-template <int kChannels, bool kThinOnly, bool kSurfaces>
-void exchangeSlices(const Swept& swept, const Passing& passing, const Brick<kChannels>& next,
+template <int kChannels, bool kThinOnly, bool kSurfaces, bool kFirst>
+void exchangeSlices(const Swept& swept, const std::vector<SweptBeam>& beams, const Prefetched& next,
                     VisitedBrick<kChannels>& visited) {
     const RayFront& front = swept.beams.front();
-    BeamSlices slices{ExchangeRule(swept.constants), swept.mostScale, passing.first, int(passing.beams.size()), {}};
+    BeamSlices slices{ExchangeRule(swept.constants), swept.mostScale, int(beams.size()), {}};
     for (int j = 0; j < kBrickEdge; ++j) {
-        prefetchEighth(visited.brick, next, j);
+        next.ask(j);
         const int k = visited.visit.slice + j;
         for (int b = 0; b < slices.count; ++b)
-            slices.beams[b] = beamSlice(passing.beams[std::size_t(b)], visited.visit, k, visited.brick.furnace);
+            slices.beams[b] = beamSlice(beams[std::size_t(b)], visited.visit, k, visited.brick.furnace);
         const int slice = front.ascending ? j : kBrickEdge - 1 - j;
         int at = slice * front.axis.sliceStride;
         for (int row = 0; row < kBrickEdge; ++row, at += front.axis.rowStride)
@@ -292,7 +317,8 @@ void exchangeSlices(const Swept& swept, const Passing& passing, const Brick<kCha
                 voxels.lane = lane;
                 voxels.slice = k;
                 voxels.at = at + lane;
-                exchangeVoxels<kChannels, kThinOnly, kSurfaces>(slices, visited.view, voxels, visited.exchanged);
+                exchangeVoxels<kChannels, kThinOnly, kSurfaces, kFirst>(slices, visited.view, voxels,
+                                                                        visited.exchanged);
             }
     }
 }
@@ -337,16 +363,16 @@ HWY_INLINE void begin(const Swept& swept, const ExchangeFields& fields, const Br
     if (!clips.whole) clipSlices(front, clips, visited.view, visited.exchanged);
 }
 
-/// @param next the brick that comes next
-template <int kChannels>
-HWY_INLINE void pass(const Swept& swept, const Passing& passing, const Brick<kChannels>& next,
+/// Beams pass a brick, the first ones or those that follow. @param next what the brick after this one needs
+template <int kChannels, bool kFirst>
+HWY_INLINE void pass(const Swept& swept, const std::vector<SweptBeam>& beams, const Prefetched& next,
                      VisitedBrick<kChannels>& visited) {
     if (visited.brick.normals)
-        exchangeSlices<kChannels, false, true>(swept, passing, next, visited);
+        exchangeSlices<kChannels, false, true, kFirst>(swept, beams, next, visited);
     else if (visited.thickest * swept.mostScale <= kThin)
-        exchangeSlices<kChannels, true, false>(swept, passing, next, visited);
+        exchangeSlices<kChannels, true, false, kFirst>(swept, beams, next, visited);
     else
-        exchangeSlices<kChannels, false, false>(swept, passing, next, visited);
+        exchangeSlices<kChannels, false, false, kFirst>(swept, beams, next, visited);
 }
 
 /// Brings a brick up to date that all beams have passed.
@@ -367,20 +393,20 @@ HWY_INLINE void end(const Swept& swept, VisitedBrick<kChannels>& visited) {
 
 template <int kChannels>
 void exchangeVisits(const Swept& swept, const std::vector<BrickVisit>& visits, const ExchangeFields& fields) {
-    const Passing along{swept.beams.along, true}, against{swept.beams.against, false};
+    const std::vector<SweptBeam>&along = swept.beams.along, &against = swept.beams.against;
+    const bool hasSource = fields.source[0].stride > 0;
     std::vector<VisitedBrick<kChannels>> row(1);
     for (std::size_t first = 0, last = 0; first < visits.size(); first = last) {
-        last = against.beams.empty() ? first + 1 : endOfRow(visits, first);
+        last = against.empty() ? first + 1 : endOfRow(visits, first);
         if (row.size() < last - first) row.resize(last - first);
         for (std::size_t i = first; i < last; ++i) {
-            VisitedBrick<kChannels>& visited = row[i - first];
-            begin(swept, fields, visits[i], visited);
-            pass(swept, along, {fields, visits[std::min(i + 1, visits.size() - 1)].brick}, visited);
+            const Brick<kChannels> next(fields, visits[std::min(i + 1, visits.size() - 1)].brick);
+            begin(swept, fields, visits[i], row[i - first]);
+            pass<kChannels, true>(swept, along, fieldsOf(next, hasSource), row[i - first]);
         }
-        for (std::size_t i = last; i-- > first;) {
-            VisitedBrick<kChannels>& visited = row[i - first];
-            if (!against.beams.empty()) pass(swept, against, visited.brick, visited);
-            end(swept, visited);
+        for (std::size_t i = last - first; i-- > 0;) {
+            if (!against.empty()) pass<kChannels, false>(swept, against, exchangeOf(row[i > 0 ? i - 1 : 0]), row[i]);
+            end(swept, row[i]);
         }
     }
 }

@@ -1,6 +1,7 @@
 // Blocks of values, packed or not. OpenVDB 10 copies a block that is said not to be packed before it asks if it is as
 // long as the memory that it goes to, and lets Blosc read past the end of one that says that it is longer. Functions of
-// a program stand in for those of a shared library that have the same names, so these take the place of OpenVDB's.
+// a program stand in for those of a shared library that have the same names, so these take the place of OpenVDB's;
+// weak, so that they do not clash with those of a static one.
 #include <openvdb/Exceptions.h>
 #include <openvdb/Types.h>
 #include <openvdb/io/Compression.h>
@@ -44,7 +45,7 @@ void readBlock(std::istream& in, char* to, std::size_t bytes, std::size_t most, 
 
 }  // namespace
 
-void openvdb::io::unzipFromStream(std::istream& in, char* data, size_t numBytes) {
+[[gnu::weak]] void openvdb::io::unzipFromStream(std::istream& in, char* data, size_t numBytes) {
     readBlock(in, data, numBytes, ::compressBound(numBytes), [&](const char* packed, std::size_t length) {
         uLongf got = numBytes;
         const int status =
@@ -53,7 +54,7 @@ void openvdb::io::unzipFromStream(std::istream& in, char* data, size_t numBytes)
     });
 }
 
-void openvdb::io::bloscFromStream(std::istream& in, char* data, size_t numBytes) {
+[[gnu::weak]] void openvdb::io::bloscFromStream(std::istream& in, char* data, size_t numBytes) {
     readBlock(in, data, numBytes, numBytes + BLOSC_MAX_OVERHEAD, [&](const char* packed, std::size_t length) {
         std::size_t promised = 0;
         return ::blosc_cbuffer_validate(packed, length, &promised) == 0 && promised == numBytes &&

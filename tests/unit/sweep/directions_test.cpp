@@ -117,7 +117,7 @@ TEST(Directions, ABatchMakesAsFewGroupsAsItCanAllOfAboutOneSize) {
             for (const Vec3& direction : group) EXPECT_EQ(directionClass(direction), directionClass(group[0]));
             sizes[directionClass(group[0])].push_back(group.size());
             all.insert(all.end(), group.begin(), group.end());
-        } while (sequence.leftOfBatch() > 0);
+        } while (sequence.left() > 0);
         ASSERT_EQ(all.size(), std::size_t(batch));
         EXPECT_LE(unevenness(all), 1.0 / batch);
         for (const std::vector<std::size_t>& of : sizes) {
