@@ -144,8 +144,9 @@ void addSolverOptions(CLI::App& app, LightArguments& a) {
         ->capture_default_str();
     addChoice(app, "--directions", o.directions, kDirectionSets, "How sweep directions are chosen")
         ->type_name("fibonacci|random|low-discrepancy");
-    app.add_option("--batch", o.batch,
-                   "Directions of the first Fibonacci batch; each later one is as large as all before it")
+    app.add_option(
+           "--batch", o.batch,
+           "Directions of the first Fibonacci batch, about; each later one is as large as all before it; 0: chosen")
         ->capture_default_str();
 }
 

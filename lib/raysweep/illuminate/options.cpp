@@ -14,7 +14,7 @@ void IlluminateOptions::validate() const {
     requireField(notNegative(tolerance), "tolerance", tolerance, "0 or more, and finite");
     requireField(sweeps >= 0, "sweeps", sweeps, "0 or more");
     requireField(isPart(unshotShare), "unshot share", unshotShare, "in (0, 1]");
-    requireField(batch >= 1 && batch <= 100000, "batch", batch, "1 to 100000");
+    requireField(batch >= 0 && batch <= 100000, "batch", batch, "0 to 100000");
     requireField(beams >= 0 && beams <= kMostBeams, "beams", beams, "0 to " + std::to_string(kMostBeams));
     requireField(isPart(surfaceThreshold), "surface threshold", surfaceThreshold, "in (0, 1]");
     requireField(snapshotEvery >= 0, "snapshot interval", snapshotEvery, "0 or more");

@@ -35,8 +35,8 @@ struct IlluminateOptions {
     /// over directions); K is the most that may, see `beams`. (0,1]. Not given: 0.1 with a coarse start (0.2 where
     /// voxels are thick), else 0.5. (Paper: K = 1 and 0.1, which from the dark needs ten times as many sweeps.)
     std::optional<double> zeta;
-    /// Stop when the RMS difference of radiosity between estimates 20 sweeps or more apart, relative to its RMS, is below
-    /// this (paper, section 2.2, with delta i = 20); 0: never. >= 0. See convergence.h.
+    /// Stop when the RMS difference of radiosity between estimates 20 sweeps or more apart, relative to its RMS, is
+    /// below this (paper, section 2.2, with delta i = 20); 0: never. >= 0. See convergence.h.
     double tolerance = 0.01;
     /// Most sweeps in which power is injected; with tolerance 0 the exact number; 0: direct light only. >= 0.
     int sweeps = 10000;
@@ -49,8 +49,9 @@ struct IlluminateOptions {
     /// opaque, (0,1].
     double surfaceThreshold = 0.1;
     DirectionSet directions = DirectionSet::fibonacci;
-    int batch = 48;  ///< directions of the first shuffled, rotated Fibonacci batch, >= 1; each batch is as
-                     ///< large as all before it
+    /// Directions of the first shuffled, rotated Fibonacci batch (about so many, if it is known how many there will
+    /// be); each later one is as large as all before it. 0: 48 where several go together (`beams`), else 32. >= 0.
+    int batch = 0;
     /// Media that are not periodic begin with a solution on voxels twice as long (and that with one on voxels twice as
     /// long again), and what is under way at the end is settled there, if `remaining` is `shoot`. Not so with this.
     bool darkStart = false;

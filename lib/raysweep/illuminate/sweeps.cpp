@@ -75,6 +75,11 @@ Pace paceOf(const SolverState& state, const IlluminateOptions& options, bool coa
     return pace;
 }
 
+/// Larger, where several directions go together, so that groups are.
+int batchOf(const IlluminateOptions& options, const Pace& pace) {
+    return options.batch > 0 ? options.batch : pace.beams > 1 ? 48 : 32;
+}
+
 class Solver {
   public:
     Solver(const Scene& scene, const IlluminateOptions& options, SolverState& state, const Pace& pace)
@@ -83,11 +88,11 @@ class Solver {
           state_(state),
           zeta_(pace.zeta / pace.beams),
           mostBeams_(pace.beams),
-          directions_(
-              {options.directions, options.batch, options.seed, mostBeams_, options.tolerance > 0 ? 0 : options.sweeps},
-              [inverse = state.medium.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
-                  return directionClass(direction * inverse);
-              }),
+          directions_({options.directions, batchOf(options, pace), options.seed, mostBeams_,
+                       options.tolerance > 0 ? 0 : options.sweeps},
+                      [inverse = state.medium.volume.layout.worldFromIndex.inverse()](const Vec3& direction) {
+                          return directionClass(direction * inverse);
+                      }),
           offsets_(options.seed ^ 0x9e3779b97f4a7c15ull) {}
 
     /// Sweeps the next directions that go together, `most` or fewer. @return their number
@@ -200,13 +205,15 @@ int sweepsToNextStop(int n, const IlluminateOptions& options) {
     return options.snapshotEvery > 0 ? std::min(most, options.snapshotEvery - n % options.snapshotEvery) : most;
 }
 
-/// An estimate is good when a batch of directions is complete, so it is looked at then, unless it just has been, and
-/// not shortly before. Within a batch of a few groups it says little: only the first look, which needs no good one, is
-/// there.
-/// @param sweeps since the last look  @param batch,left directions of the batch, and those that are left of it
-bool isTimeToLook(int sweeps, bool first, int batch, int left) {
-    if (left == 0) return sweeps >= kLookInterval / 2;
-    return sweeps >= kLookInterval && left >= kLookInterval / 2 && (first || batch > kFewGroups * kMostBeams);
+/// Where directions go in groups an estimate is good when a batch of them is complete. So it is looked at then, unless
+/// it just has been, and not shortly before. Within a batch of a few groups it says little: only the first look, which
+/// needs no good one, is there.
+/// @param sweeps since the last look
+bool isTimeToLook(int sweeps, bool first, const DirectionSequence& directions) {
+    if (directions.groupSize() == 1) return sweeps >= kLookInterval;
+    if (directions.left() == 0) return sweeps >= kLookInterval / 2;
+    return sweeps >= kLookInterval && directions.left() >= kLookInterval / 2 &&
+           (first || directions.batch() > kFewGroups * directions.groupSize());
 }
 
 /// Sweeps until the estimate stands still. @return how it ended
@@ -217,7 +224,7 @@ Termination iterate(Solver& solver, SolverState& state, const SweepJob& job, std
     while (state.power.injections < options.sweeps) {
         solver.sweepNext(Inject::everything, sweepsToNextStop(state.power.injections, options));
         const int n = state.power.injections;
-        if (isTimeToLook(n - looked, looked == 0, solver.directions().batch(), solver.directions().left())) {
+        if (isTimeToLook(n - looked, looked == 0, solver.directions())) {
             const double rms = accumulateAndMeasureChange(state, n - std::exchange(looked, n));
             history.push_back({n, rms, solver.unshotShare()});
             if (n - folded >= kFoldInterval) {

@@ -49,10 +49,17 @@ DirectionSequence::DirectionSequence(const Options& options, std::function<int(c
     if (options.set != DirectionSet::fibonacci) batch_ = left_ = std::numeric_limits<int>::max();
 }
 
-/// As large as all before. An estimate is good when a batch is complete: if it is known where the last one ends, it
-/// takes what would be left for one of less than half its size.
+/// An estimate is good when a batch is complete: if it is known how many directions there will be, as many halvings of
+/// that as lead about there.
+std::size_t DirectionSequence::firstBatch() const {
+    double size = options_.total > 0 ? options_.total : options_.batch;
+    while (size > 1.5 * options_.batch) size /= 2;
+    return std::size_t(std::ceil(size));
+}
+
+/// As large as all before; the last one takes what would be left for one of less than half its size.
 std::size_t DirectionSequence::nextBatch() const {
-    const std::size_t first = std::size_t(options_.batch), total = std::size_t(options_.total);
+    const std::size_t first = firstBatch(), total = std::size_t(options_.total);
     const std::size_t size = drawn_ == 0 ? first : std::min(drawn_, std::max(first, kLargestBatch));
     if (drawn_ >= total || drawn_ + size + size / 2 < total) return size;
     return total - drawn_;

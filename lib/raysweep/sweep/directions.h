@@ -35,11 +35,12 @@ class DirectionSequence {
   public:
     struct Options {
         DirectionSet set = DirectionSet::fibonacci;
-        /// Points of the first Fibonacci batch, >= 1. Points drawn from a batch without replacement repel each other:
-        /// their mean scalar product is -1/(size - 1). Power that is scattered several times within one batch would be
-        /// sent back too often (batches of 32: 15 % too little through a slab of optical thickness 5, however many
-        /// sweeps), so batches must outgrow the number of sweeps that power stays in the volume.
-        int batch = 48;
+        /// Points of the first Fibonacci batch, or about so many if `total` is known, >= 1. Points drawn from a batch
+        /// without replacement repel each other: their mean scalar product is -1/(size - 1). Power that is scattered
+        /// several times within one batch would be sent back too often (batches of 32: 15 % too little through a slab
+        /// of optical thickness 5, however many sweeps), so batches must outgrow the number of sweeps that power stays
+        /// in the volume.
+        int batch = 32;
         std::uint64_t seed = 1;
         int groupSize = 1;  ///< directions that are to come in a group, >= 1
         int total = 0;      ///< directions that will be asked for, for a batch to end there; 0: not known
@@ -49,6 +50,7 @@ class DirectionSequence {
     explicit DirectionSequence(const Options& options, std::function<int(const Vec3&)> classOf = {});
     /// Directions of one class: up to `groupSize` and up to `most`. Those left over come next.
     std::vector<Vec3> nextGroup(int most);
+    int groupSize() const { return options_.groupSize; }
     /// Directions of the batch, and those that are left of it: 0 when it is complete. Sets without batches are one that
     /// has no end.
     int batch() const { return batch_; }
@@ -56,6 +58,7 @@ class DirectionSequence {
 
   private:
     Vec3 nextOfRecurrence();
+    std::size_t firstBatch() const;
     std::size_t nextBatch() const;
     void refill();
     int classOf(const Vec3& direction) const;
