@@ -271,7 +271,7 @@ int shootRemaining(Solver& solver, SolverState& state, double enough, const Prog
         }
         for (const int end = sweeps + kFinishInterval; sweeps < end;)
             sweeps += solver.sweepNext(Inject::nothing, kMostBeams);
-        if (sweeps - folded >= kFoldInterval) {
+        if (sweeps - folded >= kLookInterval) {
             accumulateDeposits(state);
             folded = sweeps;
         }
