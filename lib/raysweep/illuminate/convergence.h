@@ -3,8 +3,8 @@
 ///
 ///     rms = sqrt( sum (S_n - S_(n-m))^2 / sum S_n^2 )    over voxels and wavelengths, m sweeps apart   (L8)
 ///
-/// The paper looks every delta i = 20 sweeps and stops at a tolerance delta. Here a large volume is looked at in a sample
-/// of its bricks.
+/// The paper looks every delta i = 20 sweeps and stops at a tolerance delta. Here a large volume is looked at in a
+/// sample of its bricks.
 #pragma once
 
 #include "raysweep/illuminate/state.h"
