@@ -15,8 +15,8 @@ constexpr void (*kSubcommands[])(CLI::App&, int&) = {addLight,   addRender, addI
 
 int main(int argc, char** argv) {
     // What a sweep gives back the next one takes: the system would have to zero the pages anew.
-    ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    ::mallopt(M_TRIM_THRESHOLD, 32 << 20);
+    ::mallopt(M_MMAP_THRESHOLD, 8 << 20);
+    ::mallopt(M_TRIM_THRESHOLD, 8 << 20);
     CLI::App app("Raysweep: light transport and reconstruction in sparse volumes", "raysweep");
     app.require_subcommand(1);
     app.set_version_flag("--version", "raysweep " RAYSWEEP_VERSION);
