@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kLookInterval = 20;   ///< the paper's delta i: sweeps between estimates that are compared
 constexpr int kFewestSweeps = 40;   ///< two estimates at least
-constexpr int kFewGroups = 6;       ///< of directions
+constexpr int kFewGroups = 6;       ///< of directions: a batch of so many says little before it is complete
 constexpr int kFoldInterval = 160;  ///< sweeps whose deposits floats add up without losing much
 constexpr int kFinishInterval = 4;  ///< finishing sweeps between looks at what is left
 constexpr int kCoarseSweeps = 40;
